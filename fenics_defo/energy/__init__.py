@@ -1,0 +1,47 @@
+"""Hyperelastic energies as UFL functions of the deformation gradient, and their constants."""
+
+from fenics_defo.energy.constants import Constant
+from fenics_defo.energy.evaluation import evaluate
+from fenics_defo.energy.kinematics import (
+    deformation_gradient,
+    green_lagrange,
+    invariants,
+    isochoric_invariants,
+    right_cauchy_green,
+    small_strain,
+)
+from fenics_defo.energy.material import IsotropicMaterial, Material, cell_count
+from fenics_defo.energy.materials import LinearElastic, MooneyRivlin, NeoHookean, StVenantKirchhoff
+from fenics_defo.energy.rest_state import RestState, linear_moduli, rest_state
+from fenics_defo.energy.stress import cauchy, first_piola, second_piola, tangent
+from fenics_defo.energy.tables import material_from_table, read_materials
+from fenics_defo.energy.user_energy import HyperelasticEnergy, IsotropicEnergy
+
+__all__ = [
+    "Constant",
+    "HyperelasticEnergy",
+    "IsotropicEnergy",
+    "IsotropicMaterial",
+    "LinearElastic",
+    "Material",
+    "MooneyRivlin",
+    "NeoHookean",
+    "RestState",
+    "StVenantKirchhoff",
+    "cauchy",
+    "cell_count",
+    "deformation_gradient",
+    "evaluate",
+    "first_piola",
+    "green_lagrange",
+    "invariants",
+    "isochoric_invariants",
+    "linear_moduli",
+    "material_from_table",
+    "read_materials",
+    "rest_state",
+    "right_cauchy_green",
+    "second_piola",
+    "small_strain",
+    "tangent",
+]

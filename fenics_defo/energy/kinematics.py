@@ -1,0 +1,49 @@
+"""Strain measures and invariants of the deformation gradient F = I + ∂u/∂X, as UFL expressions.
+
+All are of 3 × 3 tensors. Source: Holzapfel, Nonlinear Solid Mechanics (2000), chapters 2 and 6.
+"""
+
+import ufl
+from ufl.core.expr import Expr
+
+
+def deformation_gradient(displacement: Expr) -> Expr:
+    """F = I + grad u (3, 3) [-], as a UFL variable: stresses are derivatives with respect to it."""
+    return ufl.variable(ufl.Identity(3) + ufl.grad(displacement))
+
+
+def right_cauchy_green(F: Expr) -> Expr:
+    """C = Fᵀ F (3, 3) [-]."""
+    return F.T * F
+
+
+def green_lagrange(F: Expr) -> Expr:
+    """E = (Fᵀ F − I)/2 (3, 3) [-], zero under any rigid motion."""
+    return (right_cauchy_green(F) - ufl.Identity(3)) / 2
+
+
+def small_strain(F: Expr) -> Expr:
+    """ε = sym(F) − I (3, 3) [-], zero under small rotations only."""
+    return ufl.sym(F) - ufl.Identity(3)
+
+
+def invariants(F: Expr) -> tuple[Expr, Expr, Expr]:
+    """Invariants (I1, I2, J) [-] of C = Fᵀ F, equal to (3, 3, 1) at rest.
+
+    I1 = tr C, I2 = ((tr C)² − tr C²)/2 and J = det F, so that I3 = J².
+    """
+    C = right_cauchy_green(F)
+    first = ufl.tr(C)
+    # C is symmetric: tr C² = C : C, without the matrix product.
+    return first, (first**2 - ufl.inner(C, C)) / 2, ufl.det(F)
+
+
+def isochoric(I1: Expr, I2: Expr, J: Expr) -> tuple[Expr, Expr]:
+    """Invariants (J^(−2/3) I1, J^(−4/3) I2) [-] of the volume-preserving part J^(−1/3) F."""
+    return J ** (-2.0 / 3.0) * I1, J ** (-4.0 / 3.0) * I2
+
+
+def isochoric_invariants(F: Expr) -> tuple[Expr, Expr, Expr]:
+    """Modified invariants (J^(−2/3) I1, J^(−4/3) I2, J) [-] of F; the first two ignore dilation."""
+    I1, I2, J = invariants(F)
+    return *isochoric(I1, I2, J), J
