@@ -4,7 +4,7 @@ import errno
 import os
 import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from fenics_defo.errors import DefoError
@@ -68,12 +68,13 @@ def _checked_target(path: str | os.PathLike[str]) -> Path:
     if not os.fspath(path):
         raise DefoError("an output file needs a name, got an empty one.")
     target = Path(os.path.realpath(path))
-    if target.is_dir():
+    # Unlike the methods of Path, these answer False for a name that the system refuses.
+    if os.path.isdir(target):
         raise DefoError(f"{path}: is a folder; name a file inside it.")
     # Renaming over a device such as /dev/null would replace the device itself.
-    if target.exists() and not target.is_file():
+    if os.path.exists(target) and not os.path.isfile(target):
         raise DefoError(f"{path}: is not a regular file; name a new file or one to replace.")
-    if not target.parent.is_dir():
+    if not os.path.isdir(target.parent):
         raise DefoError(
             f"{path}: the folder {str(target.parent)!r} does not exist; create it first."
         )
@@ -84,6 +85,8 @@ def _claim(target: Path, path: str | os.PathLike[str]) -> Path:
     """Create an empty file of a new name beside ``target``."""
     temporary = target.parent / f".{secrets.token_hex(6)}{target.suffix}"
     try:
+        with suppress(FileNotFoundError):
+            os.stat(target)  # finds out about names that are too long
         # Mode 0o666 is narrowed by the user's umask, unlike the 0o600 of tempfile.
         os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
     except OSError as error:
