@@ -1,0 +1,1 @@
+"""Meshes, selections and solids on DOLFINx."""
