@@ -10,10 +10,12 @@ where J_clamped counts the frequencies of the pieces with all their end nodes he
 Williams, Q. J. Mech. Appl. Math. 24 (1971) 263). A piece short against the shortest wave has none;
 longer ones are two shorter ones joined end to end, each joint adding the negative eigenvalues of
 its own block. One rule thus serves bars, Euler-Bernoulli and Timoshenko beams, below and above the
-cut-off frequency, uniform or stepped; nothing overflows, and J is bisected for every frequency.
+cut-off frequency, uniform or stepped; nothing overflows, and J is narrowed down for every
+frequency. They are right to about 1e-13, or 1e-9 where a part between two joints happens to
+resonate, held at its ends, at just that frequency.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,6 +36,9 @@ _MEETING_POINT = 0.3819660112501051
 # below round-off.
 _TAYLOR_TERMS = 24
 
+# Many trial frequencies at once cost little more than one: three bits a pass.
+_SECTIONS = np.linspace(0.0, 1.0, 9)
+
 _SIGNS = {1: np.ones((1, 1)), 2: np.array([[1.0, -1.0], [1.0, 1.0]])}
 
 
@@ -46,20 +51,27 @@ class _Member:
         cross: forces of the first node due to the second's displacements, (k, p, p).
         far: block of the second node, (k, p, p).
         clamped: frequencies below each trial one with both nodes held, (k,).
+        transfer: exp(A l), (k, 2 p, 2 p), of use where the member is short.
+        short: whether wave number times length is at most 1, (k,).
     """
 
     near: Array
     cross: Array
     far: Array
     clamped: Counts
+    transfer: Array
+    short: NDArray[np.bool_]
 
     def turned(self) -> "_Member":
         """The same member seen from its other end."""
-        return _Member(self.far, self.cross.swapaxes(-1, -2), self.near, self.clamped)
-
-    def at(self, chosen: NDArray[np.bool_]) -> "_Member":
-        return _Member(
-            self.near[chosen], self.cross[chosen], self.far[chosen], self.clamped[chosen]
+        size = self.near.shape[-1]
+        turned = self.transfer.copy()
+        turned[..., :size, :size] = _transposed(self.transfer[..., size:, size:])
+        turned[..., size:, size:] = _transposed(self.transfer[..., :size, :size])
+        turned[..., :size, size:] = _transposed(self.transfer[..., :size, size:])
+        turned[..., size:, :size] = _transposed(self.transfer[..., size:, :size])
+        return replace(
+            self, near=self.far, cross=_transposed(self.cross), far=self.near, transfer=turned
         )
 
 
@@ -76,11 +88,16 @@ def natural_frequencies(pieces: Sequence[Piece], supports: Supports, *, count: i
         frequencies of rigid motions left out.
     """
     wanted = supports.rigid + 1 + np.arange(count)
-
-    def reached(omega: Array) -> NDArray[np.bool_]:
-        return count_below(pieces, supports, omega=omega) >= wanted
-
-    return _bisect(reached, count) / (2.0 * np.pi)
+    low, high = np.zeros(count), np.ones(count)
+    while np.any(short := count_below(pieces, supports, omega=high) < wanted):
+        low, high = np.where(short, high, low), np.where(short, 8.0 * high, high)
+    while np.any(high - low > 4.0 * np.finfo(float).eps * high):
+        trials = low[:, None] + (high - low)[:, None] * _SECTIONS
+        counts = count_below(pieces, supports, omega=trials[:, 1:-1].ravel())
+        # The wanted count is passed between the last trial below it and the next one.
+        cell = np.sum(counts.reshape(count, -1) < wanted[:, None], axis=1)
+        low, high = trials[np.arange(count), cell], trials[np.arange(count), cell + 1]
+    return (low + high) / (4.0 * np.pi)
 
 
 def count_below(pieces: Sequence[Piece], supports: Supports, *, omega: Array) -> Counts:
@@ -99,21 +116,6 @@ def count_below(pieces: Sequence[Piece], supports: Supports, *, omega: Array) ->
     return left_count + right_count + _negatives(left_stiffness + right_stiffness)
 
 
-def _bisect(reached: Callable[[Array], NDArray[np.bool_]], count: int) -> Array:
-    """Bisect ``count`` positive thresholds at once, to the last bits of a double.
-
-    ``reached`` says, at (count,) trial values, whether each lies above its own threshold.
-    """
-    low, high = np.zeros(count), np.ones(count)
-    while not np.all(above := reached(high)):
-        low, high = np.where(above, low, high), np.where(above, high, 2.0 * high)
-    while np.any(high - low > 4.0 * np.finfo(float).eps * high):
-        middle = 0.5 * (low + high)
-        above = reached(middle)
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    return 0.5 * (low + high)
-
-
 def _uniform(piece: Piece, omega: Array) -> _Member:
     """A uniform piece at (k,) frequencies, grown by doubling from a part with no clamped mode.
 
@@ -126,10 +128,11 @@ def _uniform(piece: Piece, omega: Array) -> _Member:
     member = _short(piece, omega, piece.length * np.exp2(-doublings.astype(np.float64)))
     for step in range(int(doublings.max(initial=0))):
         grow = doublings > step
-        half = member.at(grow)
-        double = _join(half, half)
-        member.near[grow], member.cross[grow] = double.near, double.cross
-        member.far[grow], member.clamped[grow] = double.far, double.clamped
+        near, cross, far, clamped = _doubled(
+            member.near[grow], member.cross[grow], member.far[grow], member.clamped[grow]
+        )
+        member.near[grow], member.cross[grow], member.far[grow] = near, cross, far
+        member.clamped[grow], member.short[grow] = clamped, False
     return member
 
 
@@ -145,7 +148,14 @@ def _short(piece: Piece, omega: Array, length: Array) -> _Member:
     cross = -_inverse(give, give)
     near = -cross @ stretch
     far = -transfer[..., size:, size:] @ cross
-    return _Member(_symmetric(near), cross, _symmetric(far), np.zeros(omega.shape, dtype=np.int64))
+    return _Member(
+        _symmetric(near),
+        cross,
+        _symmetric(far),
+        clamped=np.zeros(omega.shape, dtype=np.int64),
+        transfer=transfer,
+        short=np.ones(omega.shape, dtype=np.bool_),
+    )
 
 
 def _fold(members: Sequence[_Member], held: Sequence[int]) -> tuple[Array, Counts]:
@@ -157,37 +167,58 @@ def _fold(members: Sequence[_Member], held: Sequence[int]) -> tuple[Array, Count
     """
     size = members[0].near.shape[-1]
     free = [i for i in range(size) if i not in held]
-    count = members[0].clamped
-    stiffness = members[0].far
+    count, stiffness = members[0].clamped, members[0].far
     if free:
         near, cross = members[0].near[..., free, :][..., free], members[0].cross[..., free, :]
         inverse = _inverse(near, cross[..., free])
-        stiffness = _symmetric(stiffness - cross.swapaxes(-1, -2) @ inverse @ cross)
+        stiffness = stiffness - _transposed(cross) @ inverse @ cross
         count = count + _negatives(near)
+    moves = np.diag([float(i in free) for i in range(size)])
+    stiffness = _carried(members[0], moves, np.eye(size) - moves, stiffness)
     for member in members[1:]:
         joint = stiffness + member.near
         inverse = _inverse(joint, member.cross)
-        stiffness = _symmetric(member.far - member.cross.swapaxes(-1, -2) @ inverse @ member.cross)
+        condensed = member.far - _transposed(member.cross) @ inverse @ member.cross
+        stiffness = _carried(member, np.eye(size), stiffness, condensed)
         count = count + member.clamped + _negatives(joint)
     return stiffness, count
 
 
-def _join(first: _Member, second: _Member) -> _Member:
-    """Two members end to end, their common node condensed and counted."""
-    joint = first.far + second.near
-    inverse = _inverse(joint, first.cross)
-    back = inverse @ first.cross.swapaxes(-1, -2)
-    ahead = inverse @ second.cross
-    return _Member(
-        _symmetric(first.near - first.cross @ back),
-        -first.cross @ ahead,
-        _symmetric(second.far - second.cross.swapaxes(-1, -2) @ ahead),
-        first.clamped + second.clamped + _negatives(joint),
+def _carried(member: _Member, moves: Array, forces: Array, condensed: Array) -> Array:
+    """Stiffness at a member's far node, from near-node states with these columns.
+
+    ``condensed`` is the same by condensation, which long members need. In a short member it is a
+    small difference of large numbers: a stiff head on a soft beam would lose its mass.
+    """
+    size = member.near.shape[-1]
+    top, bottom = member.transfer[..., :size, :], member.transfer[..., size:, :]
+    motion = top[..., :size] @ moves + top[..., size:] @ forces
+    force = bottom[..., :size] @ moves + bottom[..., size:] @ forces
+    by_transfer = force @ _inverse(motion, top[..., size:])
+    return _symmetric(np.where(member.short[:, None, None], by_transfer, condensed))
+
+
+def _doubled(
+    near: Array, cross: Array, far: Array, clamped: Counts
+) -> tuple[Array, Array, Array, Counts]:
+    """Two equal members end to end, their common node condensed and counted."""
+    joint = far + near
+    inverse = _inverse(joint, cross)
+    back, ahead = inverse @ _transposed(cross), inverse @ cross
+    return (
+        _symmetric(near - cross @ back),
+        -cross @ ahead,
+        _symmetric(far - _transposed(cross) @ ahead),
+        2 * clamped + _negatives(joint),
     )
 
 
+def _transposed(blocks: Array) -> Array:
+    return blocks.swapaxes(-1, -2)
+
+
 def _symmetric(blocks: Array) -> Array:
-    return 0.5 * (blocks + blocks.swapaxes(-1, -2))
+    return 0.5 * (blocks + _transposed(blocks))
 
 
 def _determinant(blocks: Array) -> Array:

@@ -97,10 +97,10 @@ def sphere_frequencies(
     wanted = require_count(count)
     # c_T / c_L of an isotropic solid.
     slowness = float(np.sqrt((1.0 - 2.0 * poisson) / (2.0 - 2.0 * poisson)))
-    limit, found = 4.0, _modes_below(4.0, slowness)
-    while len(found) < wanted:
-        limit *= 1.5
-        found = _modes_below(limit, slowness)
+    # The roots below xi are about 0.3 xi^2 in number.
+    limit = 4.0 + 1.7 * np.sqrt(wanted)
+    while len(found := _modes_below(limit, slowness)) < wanted:
+        limit *= 1.25
     lowest = sorted(found)[:wanted]
     wave_numbers = np.array([mode[0] for mode in lowest])
     return SphereModes(
