@@ -27,12 +27,13 @@ ifeq ($(realpath $(bin)/python),)
 $(stamp): FORCE
 endif
 
-.PHONY: help env demo test lint format lock clean FORCE
+.PHONY: help env demo test lint bare format lock clean FORCE
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-8s %s\n", $$1, $$2 }' Makefile
 
 env: $(stamp)  ## fill .venv (PYTHON=... chooses the Python it is made with)
+	@:
 
 $(stamp): pyproject.toml constraints.txt
 	@sh tools/make_env.sh
@@ -53,6 +54,15 @@ lint: $(stamp)  ## ruff, its formatting, and mypy
 	@$(bin)/ruff check .
 	@$(bin)/ruff format --check .
 	@$(bin)/mypy
+
+bare: $(stamp)  ## install without extras, elsewhere, and import the runtime there
+	@rm -rf .cache/bare
+	@$(bin)/uv venv --quiet --python $(bin)/python .cache/bare
+	@$(bin)/uv pip install --quiet --python .cache/bare/bin/python \
+	    --constraints constraints.txt --build-constraints constraints.txt .
+	@cd .cache && bare/bin/python -W error -c "import fenics_defo, fenics_defo.runtime"
+	@test "$$($(bin)/uv pip list --quiet --python .cache/bare/bin/python --format freeze | wc -l)" = 2
+	@echo "fenics_defo's runtime imports beside NumPy alone"
 
 format: $(stamp)  ## let ruff lay out and sort
 	@$(bin)/ruff check --fix-only --quiet .
