@@ -11,7 +11,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Protocol
 
@@ -143,9 +143,9 @@ def run_ranks(
 
 
 @pytest.fixture(scope="session")
-def mpirun() -> Iterator[MpiRun]:
+def mpirun() -> MpiRun:
     """``mpirun("-c", code)``, ``mpirun("-m", module, ...)``, ``mpirun(script, ...)`` on two ranks.
 
     Mark the test ``mpi``. Keywords: ``ranks``, ``timeout`` [s], ``cwd``, ``env`` (added to ours).
     """
-    yield run_ranks
+    return run_ranks

@@ -3,8 +3,8 @@
 Before anything is downloaded: a C compiler and Python's headers, for the kernels that DOLFINx
 compiles at run time, ``ensurepip`` for the virtual environment, and the shared libraries of the
 desktop that gmsh and VTK link to even when they draw nothing on a screen. With ``--loads``, after
-the installation: whether the compiled packages really load. Standard library only, any Python 3;
-writes nothing.
+the installation: whether the compiled packages really load. Standard library only; writes
+nothing.
 """
 
 import os
@@ -36,7 +36,7 @@ LIBRARIES = {
 COMPILED_PACKAGES = ("dolfinx_solver", "gmsh", "vtkmodules.vtkRenderingOpenGL2")
 
 
-def missing_libraries(libraries=LIBRARIES):
+def missing_libraries(libraries: dict[str, str] = LIBRARIES) -> dict[str, str]:
     """Return ``{library: package}`` of those that the dynamic linker does not find."""
     try:
         import ctypes
@@ -51,17 +51,17 @@ def missing_libraries(libraries=LIBRARIES):
     return missing
 
 
-def debian_python_package(suffix):
+def debian_python_package(suffix: str) -> str:
     """Return the package of this Python with ``suffix``; empty if it is not Debian's own."""
     if sys.base_prefix != "/usr":
         return ""
-    return "python%d.%d-%s" % (*sys.version_info[:2], suffix)
+    return f"python3.{sys.version_info.minor}-{suffix}"
 
 
-def compiles(compiler, header):
+def compiles(compiler: list[str], header: str) -> bool:
     """Whether ``compiler`` runs and finds ``header``; nothing is written."""
     command = [*compiler, "-I" + sysconfig.get_path("include"), "-fsyntax-only", "-x", "c", "-"]
-    source = "#include <%s>\n" % header
+    source = f"#include <{header}>\n"
     try:
         done = subprocess.run(command, input=source, capture_output=True, text=True, check=False)
     except OSError:
@@ -69,7 +69,7 @@ def compiles(compiler, header):
     return done.returncode == 0
 
 
-def missing_build_tools():
+def missing_build_tools() -> dict[str, str]:
     """Return ``{thing: package}`` of what making .venv and compiling a kernel need."""
     missing = {}
     try:
@@ -80,7 +80,7 @@ def missing_build_tools():
     compiler = shlex.split(os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc")
     # math.h is the C library's, which a compiler alone does not bring.
     if not compiles(compiler, "math.h"):
-        missing["a C compiler that works (%s)" % compiler[0]] = "gcc libc6-dev"
+        missing[f"a C compiler that works ({compiler[0]})"] = "gcc libc6-dev"
         if not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")):
             missing["Python.h"] = debian_python_package("dev")
     elif not compiles(compiler, "Python.h"):
@@ -88,7 +88,7 @@ def missing_build_tools():
     return missing
 
 
-def sentence(missing):
+def sentence(missing: dict[str, str]) -> str:
     """Return one sentence that says what is missing and what to install.
 
     Args:
@@ -96,21 +96,17 @@ def sentence(missing):
     """
     packages = sorted({name for package in missing.values() for name in package.split()})
     sudo = "" if os.geteuid() == 0 else "sudo "
-    text = "This machine lacks %s" % ", ".join(missing)
+    text = f"This machine lacks {', '.join(missing)}"
     if packages:
-        text += ": on Debian or Ubuntu run `%sapt-get update && %sapt-get install %s`" % (
-            sudo,
-            sudo,
-            " ".join(packages),
-        )
+        install = f"{sudo}apt-get update && {sudo}apt-get install {' '.join(packages)}"
+        text += f": on Debian or Ubuntu run `{install}`"
     if not all(missing.values()):
-        text += (" and choose" if packages else ": choose") + (
-            " another Python than %s with PYTHON=/path/to/python3" % sys.executable
-        )
+        text += " and" if packages else ":"
+        text += f" choose another Python than {sys.executable} with PYTHON=/path/to/python3"
     return text + ", then run make again."
 
 
-def failed_loads(modules=COMPILED_PACKAGES):
+def failed_loads(modules: tuple[str, ...] = COMPILED_PACKAGES) -> dict[str, str]:
     """Return ``{module: last line of its error}`` of those that this Python cannot import."""
     failed = {}
     for name in modules:
@@ -123,11 +119,11 @@ def failed_loads(modules=COMPILED_PACKAGES):
         )
         if done.returncode != 0:
             lines = done.stderr.strip().splitlines()
-            failed[name] = lines[-1] if lines else "exit status %d" % done.returncode
+            failed[name] = lines[-1] if lines else f"exit status {done.returncode}"
     return failed
 
 
-def report_loads():
+def report_loads() -> int:
     """Print what does not load, one line a module, and return the exit status."""
     failed = failed_loads()
     for name, error in failed.items():
@@ -136,11 +132,11 @@ def report_loads():
             library = found.group(1)
             print(sentence({library: LIBRARIES.get(library, "")}), file=sys.stderr)
         else:
-            print("%s is installed but does not load: %s" % (name, error), file=sys.stderr)
+            print(f"{name} is installed but does not load: {error}", file=sys.stderr)
     return 1 if failed else 0
 
 
-def main(arguments):
+def main(arguments: list[str]) -> int:
     """Return 0 when nothing is missing, else print the sentence and return 1."""
     if arguments == ["--loads"]:
         return report_loads()

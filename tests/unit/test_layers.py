@@ -145,9 +145,10 @@ def calls_that_run_data(module: Module) -> Iterator[tuple[int, str]]:
     for node in ast.walk(module.tree):
         if isinstance(node, ast.Name) and node.id in RUN_DATA:
             yield node.lineno, f"{node.id} runs data as code"
-        if isinstance(node, ast.keyword) and node.arg == "allow_pickle":
-            if not (isinstance(node.value, ast.Constant) and node.value.value is False):
-                yield node.value.lineno, "allow_pickle must be False"
+        elif isinstance(node, ast.keyword) and node.arg == "allow_pickle":
+            given = node.value
+            if not (isinstance(given, ast.Constant) and given.value is False):
+                yield given.lineno, "allow_pickle must be False"
 
 
 def faults(root: Path) -> list[str]:
