@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.energy import Material, material_from_table
 from fenics_defo.fem.compat import dolfinx
+from fenics_defo.fem.entities import all_entities, corner_nodes
 from fenics_defo.fem.imported import EntityGroup, ImportedMesh, MeshRecord
 from fenics_defo.fem.sources import Group, SourceMesh
 
@@ -105,12 +106,9 @@ def _entities_with_vertices(
     mesh: "dolfinx.mesh.Mesh", dimension: int, vertices: NDArray[np.int64]
 ) -> NDArray[np.int32]:
     """This rank's entities whose corners, as input node indices, are a row of ``vertices``."""
-    mesh.topology.create_entities(dimension)
-    mesh.topology.create_connectivity(dimension, mesh.topology.dim)
-    index_map = mesh.topology.index_map(dimension)
-    local = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
+    local = all_entities(mesh, dimension)
+    corners = corner_nodes(mesh, dimension, local)
     nodes = mesh.geometry.input_global_indices
-    corners = dolfinx.mesh.entities_to_geometry(mesh, dimension, local)
     # Most entities have no corner, or not all, in the group: only the others are sorted.
     local = local[np.isin(nodes, vertices)[corners].all(axis=1)]
     found = np.sort(nodes[corners[local]], axis=1)

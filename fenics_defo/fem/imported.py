@@ -103,7 +103,7 @@ def _record_of_tags(mesh_data: MeshData) -> MeshRecord:
             owned = mesh.topology.index_map(dimension).size_local
             groups.append(
                 EntityGroup(
-                    name=names.get((dimension, number), str(number)),
+                    name=names.get((dimension, number)) or str(number),
                     number=int(number),
                     dimension=dimension,
                     entities=entities,

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.errors import SelectionError
 from fenics_defo.fem.compat import dolfinx
+from fenics_defo.fem.entities import all_entities, corner_nodes
 from fenics_defo.fem.imported import EntityGroup, MeshData, MeshRecord, mesh_record
 from fenics_defo.fem.input_order import node_rows
 from fenics_defo.fem.nodes import NodeNumbering
@@ -152,14 +153,11 @@ def _candidates(
     mesh: "dolfinx.mesh.Mesh", dimension: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """All cells, boundary facets, edges or vertices of this rank, and their corners (k, v)."""
-    mesh.topology.create_entities(dimension)
-    mesh.topology.create_connectivity(dimension, 3)
+    entities = all_entities(mesh, dimension)
     if dimension == 2:
+        mesh.topology.create_connectivity(2, 3)
         entities = np.sort(dolfinx.mesh.exterior_facet_indices(mesh.topology))
-    else:
-        index_map = mesh.topology.index_map(dimension)
-        entities = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
-    return entities, dolfinx.mesh.entities_to_geometry(mesh, dimension, entities)
+    return entities, corner_nodes(mesh, dimension, entities)
 
 
 def _corners_of_box(mesh: "dolfinx.mesh.Mesh") -> NDArray[np.float64]:
