@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import ufl
 from numpy.typing import NDArray
+from ufl.algorithms.signature import compute_expression_signature
 from ufl.core.expr import Expr
 
 from fenics_defo.energy import Material
@@ -138,13 +139,21 @@ def _fields(
     return MaterialFields(tuple(regions), density)
 
 
-def _law(material: Material) -> object:
+def _law(material: Material) -> tuple[tuple[str, ...], str]:
     """What two materials share when they have the same energy function: the function's formula.
 
     Their class is not enough: a user's own may keep a direction, say, outside of `parameters`.
     """
     symbols = {name: _symbol(name) for name in material.parameters}
-    return tuple(material.parameters), material.strain_energy(_GRADIENT, symbols)
+    energy = ufl.as_ufl(material.strain_energy(_GRADIENT, symbols))
+    return tuple(symbols), compute_expression_signature(energy, _Names())
+
+
+class _Names(dict[object, str]):
+    """Names by which UFL's signature calls variables and functions: those of the very objects."""
+
+    def __missing__(self, key: object) -> str:
+        return repr(key)
 
 
 @cache
