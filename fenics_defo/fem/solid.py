@@ -28,7 +28,7 @@ class Fixed:
 
     Args:
         region: selection (group name or number, comparison, ``nodes:FILE``).
-        components: some of "xyz".
+        components: some of "xyz", as text or as a list of letters.
 
     Raises:
         SelectionError: ``components`` is empty or names something else.
@@ -38,7 +38,9 @@ class Fixed:
     components: str = "xyz"
 
     def __post_init__(self) -> None:
-        if not self.components or set(self.components) - set("xyz"):
+        if not isinstance(self.components, str | list | tuple) or (
+            not self.components or not all(c in ("x", "y", "z") for c in self.components)
+        ):
             raise SelectionError(
                 f"the components of a constraint must be some of 'x', 'y', 'z', got "
                 f"{self.components!r}; write 'xyz' to hold a region altogether"
