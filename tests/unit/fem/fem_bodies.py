@@ -2,11 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo import fem
+from fenics_defo.energy import NeoHookean, StVenantKirchhoff
 from fenics_defo.fem.compat import MPI
 from fenics_defo.fem.distribution import distribute
 from fenics_defo.fem.sources import Group, SourceMesh, source_from_arrays
@@ -17,7 +20,12 @@ Integers = NDArray[np.int64]
 Mapping = Callable[[Array], Array]
 
 SIDES = (2.0, 0.7, 0.5)
+VOLUME = float(np.prod(SIDES))
 KINDS = ("tetrahedron", "hexahedron")
+MODULI = {"young": 1.0e5, "poisson": 0.3, "density": 1.2e3}
+SVK, NEO = StVenantKirchhoff(**MODULI), NeoHookean(**MODULI)
+# kind, order of the displacements, order of the mesh
+CELLS = [(kind, order, 1) for kind in KINDS for order in (1, 2)]
 # The six tetrahedra of a cube that share its diagonal 0-6.
 SIXTHS = ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6))
 
@@ -137,3 +145,17 @@ def usual_groups(kind: str) -> Callable[[Array, Integers], list[Group]]:
         ]
 
     return make
+
+
+@cache
+def bar(
+    kind: str, order: int, mesh_order: int = 1, *, law: Any = NEO, mapping: Any = tapered
+) -> fem.Solid:
+    mesh = source(kind, cells=(2, 2, 2), order=mesh_order, mapping=mapping)
+    return fem.Solid(mesh_of(mesh), law, order=order)
+
+
+def bend(solid: fem.Solid, size: float = 0.1) -> Array:
+    """A smooth bending and twisting displacement."""
+    x, y, z = solid.points.T
+    return size * np.column_stack([-x * z + 0.3 * y * y, x * x * 0.4 + z * y, 0.5 * x * x - x * y])

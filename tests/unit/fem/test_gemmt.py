@@ -55,7 +55,7 @@ def update(
 def test_equals_numpy_and_leaves_the_other_triangle(fast: Gemmt, n: int, k: int) -> None:
     rng = np.random.default_rng(n + k)
     left, right, start = (rng.standard_normal(s) for s in ((n, k), (k, n), (n, n)))
-    cases = itertools.product("ULul", "NTCnt", "NTCnt", (0.0, 1.0, -0.7), (0.0, 1.0, 0.3))
+    cases = itertools.product("UuLl", "NTc", "nTC", (0.0, 1.0, -0.7), (0.0, 1.0, 0.3))
     for uplo, ta, tb, alpha, beta in cases:
         a = left if ta in "Nn" else left.T
         b = right if tb in "Nn" else right.T
