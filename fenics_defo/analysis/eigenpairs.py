@@ -1,5 +1,6 @@
 """The matrices of an eigenvalue problem and the solvers that find its lowest pairs."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
@@ -13,6 +14,7 @@ from fenics_defo.analysis.lanczos import block_lanczos
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.errors import EigenSolveError
 from fenics_defo.fem.linalg import Factorization, multiply
+from fenics_defo.fem.multigrid import MultigridSolver
 
 Array = NDArray[np.float64]
 
@@ -39,7 +41,7 @@ class EigenProblem:
 
     Args:
         stiffness: K [N/m], held rows with a positive diagonal.
-        mass: M [kg], held rows zero (or positive for the iterative solver).
+        mass: M [kg], held rows zero.
         shift: σ [rad²/s²], at or below the wanted λ.
         definite: whether K - σ M is known to be positive definite.
         independent: number of components that are not held.
@@ -94,24 +96,41 @@ class EigenProblem:
         block[~self.free] = 0.0
         return block
 
-    def lanczos(
-        self, count: int, *, tolerance: float, seed: int, phases: Phases
-    ) -> Pairs:
+    def lanczos(self, count: int, *, tolerance: float, seed: int, phases: Phases) -> Pairs:
         """Pairs by block Lanczos with MUMPS's factors; at least ``count`` of them."""
-        rng = np.random.default_rng([seed, self.comm.rank])
-        width = min(BLOCK, self.independent)
         with phases("factorise"):
             factors = self.factorised()
         with factors, phases("solve"):
-            found = block_lanczos(
-                factors.solve,
-                lambda block: multiply(self.mass, block),
-                lambda: self.random_block(rng, width),
-                count,
-                comm=self.comm,
-                independent=self.independent,
-                tolerance=tolerance,
-            )
+            return self._block_lanczos(factors.solve, count, tolerance=tolerance, seed=seed)
+
+    def multigrid_lanczos(
+        self, count: int, near_kernel: Array, *, tolerance: float, seed: int, phases: Phases
+    ) -> Pairs:
+        """Pairs by block Lanczos with multigrid-preconditioned inner solves, for bodies of any size."""
+        matrix = self.shifted(self.shift)
+        try:
+            with phases("factorise"):
+                solver = MultigridSolver(matrix, near_kernel, self.free, rtol=0.01 * tolerance)
+        finally:
+            matrix.destroy()
+        with solver, phases("solve"):
+            pairs = self._block_lanczos(solver.solve, count, tolerance=tolerance, seed=seed)
+            return self.ritz(pairs.vectors)
+
+    def _block_lanczos(
+        self, solve: Callable[[Array], Array], count: int, *, tolerance: float, seed: int
+    ) -> Pairs:
+        rng = np.random.default_rng([seed, self.comm.rank])
+        width = min(BLOCK, self.independent)
+        found = block_lanczos(
+            solve,
+            lambda block: multiply(self.mass, block),
+            lambda: self.random_block(rng, width),
+            count,
+            comm=self.comm,
+            independent=self.independent,
+            tolerance=tolerance,
+        )
         return Pairs(self.shift + 1.0 / found.theta, found.vectors)
 
     def below(self, value: float) -> int:

@@ -1,4 +1,4 @@
-"""Lowest eigenpairs by SLEPc: Krylov-Schur with MUMPS, and LOBPCG where no factorisation fits into memory."""
+"""Lowest eigenpairs by SLEPc's Krylov-Schur iteration with MUMPS's factors."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,7 +31,7 @@ def krylov_schur(problem: EigenProblem, count: int, *, tolerance: float, phases:
     Raises:
         EigenSolveError: fewer converged.
     """
-    with _symmetric(problem) as (stiffness, mass), _solver(problem) as eps:
+    with _scalar(problem) as (stiffness, mass), _solver(problem) as eps:
         stiffness.setOption(PETSc.Mat.Option.SPD, problem.definite)
         eps.setOperators(stiffness, mass)
         eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
@@ -56,63 +56,9 @@ def krylov_schur(problem: EigenProblem, count: int, *, tolerance: float, phases:
         return _pairs(problem, eps, count)
 
 
-def lobpcg(
-    problem: EigenProblem,
-    count: int,
-    near_kernel: Array,
-    *,
-    tolerance: float,
-    phases: Phases,
-    iterations: int = 500,
-) -> Pairs:
-    """Pairs by LOBPCG with algebraic multigrid as preconditioner: memory grows with the mesh only.
-
-    Args:
-        problem: matrices; held rows of M must be positive, with large λ.
-        count: number of pairs.
-        near_kernel: (owned dofs, 6) rigid motions, zero at held components, for the multigrid's coarse spaces.
-        tolerance: relative residual ‖K x - λ M x‖ / ‖λ x‖ of SLEPc.
-        phases: stopwatch.
-        iterations: largest number of iterations.
-
-    Returns:
-        at least ``count`` pairs.
-
-    Raises:
-        EigenSolveError: fewer converged.
-    """
-    stiffness = problem.shifted(problem.shift).convert("aij")
-    mass = problem.mass.convert("aij", PETSc.Mat())
-    stiffness.setBlockSize(3)
-    vectors = [_vector(problem, column) for column in near_kernel.T]
-    kernel = PETSc.NullSpace().create(vectors=_orthonormal(vectors), comm=problem.comm)
-    stiffness.setNearNullSpace(kernel)
-    try:
-        with _solver(problem) as eps:
-            eps.setOperators(stiffness, mass)
-            eps.setType(SLEPc.EPS.Type.LOBPCG)
-            eps.setDimensions(count)
-            eps.setTolerances(tolerance, iterations)
-            eps.setWhichEigenpairs(SLEPc.EPS.Which.SMALLEST_REAL)
-            transform = eps.getST()
-            transform.setType(SLEPc.ST.Type.PRECOND)
-            linear = transform.getKSP()
-            linear.setType(PETSc.KSP.Type.PREONLY)
-            linear.getPC().setType(PETSc.PC.Type.GAMG)
-            with phases("factorise"):
-                eps.setUp()
-            with phases("solve"):
-                eps.solve()
-            found = _pairs(problem, eps, count)
-    finally:
-        for item in (*vectors, kernel, stiffness, mass):
-            item.destroy()
-    return problem.ritz(found.vectors)
-
-
 @contextmanager
-def _symmetric(problem: EigenProblem) -> Iterator[tuple[PETSc.Mat, PETSc.Mat]]:
-    halves = [m.convert("sbaij", PETSc.Mat()) for m in (problem.stiffness, problem.mass)]
+def _scalar(problem: EigenProblem) -> Iterator[tuple[PETSc.Mat, PETSc.Mat]]:
+    halves = [m.convert("aij", PETSc.Mat()) for m in (problem.stiffness, problem.mass)]
     try:
         yield halves[0], halves[1]
     finally:
@@ -147,24 +93,3 @@ def _pairs(problem: EigenProblem, eps: SLEPc.EPS, count: int) -> Pairs:
         vectors[:, place] = vector.array
     vector.destroy()
     return Pairs(values[order], vectors)
-
-
-def _vector(problem: EigenProblem, values: Array) -> PETSc.Vec:
-    vector = problem.stiffness.createVecRight()
-    vector.array[:] = values
-    return vector
-
-
-def _orthonormal(vectors: list[PETSc.Vec]) -> list[PETSc.Vec]:
-    """Orthonormalise in place; those that depend on the others are left out."""
-    kept: list[PETSc.Vec] = []
-    for vector in vectors:
-        before = vector.norm()
-        for _ in range(2):
-            for other in kept:
-                vector.axpy(-vector.dot(other), other)
-        length = vector.norm()
-        if before > 0.0 and length > 1e-8 * before:
-            vector.scale(1.0 / length)
-            kept.append(vector)
-    return kept
