@@ -19,7 +19,7 @@ from fenics_defo.fem.multigrid import MultigridSolver
 Array = NDArray[np.float64]
 
 #: Vectors that are solved for at once: more reads the factors less often, and needs more vectors in all.
-BLOCK = 10
+BLOCK = 4
 
 
 @dataclass(frozen=True, slots=True)
