@@ -158,16 +158,14 @@ def _solids(
     for j in range(count if count > 1 else 0):
         corners = points[triangles[shell == j]]
         low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-        near = np.flatnonzero(
-            ((seeds > low) & (seeds < high)).all(axis=1) & (np.arange(count) != j)
-        )
-        for i in near:
-            inside[i, j] = volumes[i] < volumes[j] and _winding(seeds[i], corners) > 0.5
+        near = ((seeds > low) & (seeds < high)).all(axis=1) & (volumes < volumes[j])
+        for i in np.flatnonzero(near):
+            inside[i, j] = _winding(seeds[i], corners) > 0.5
     depth = inside.sum(axis=1)
     solids = []
-    for j in np.flatnonzero(depth % 2 == 0):
-        cavities = np.flatnonzero(inside[:, j] & (depth == depth[j] + 1))
-        solids.append((int(j), *cavities.tolist()))
+    for outer in np.flatnonzero(depth % 2 == 0).tolist():
+        cavities = np.flatnonzero(inside[:, outer] & (depth == depth[outer] + 1))
+        solids.append((outer, *cavities.tolist()))
     return tuple(solids)
 
 
