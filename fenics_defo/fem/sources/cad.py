@@ -22,6 +22,7 @@ from fenics_defo.fem.sources.raw_mesh import RawGroup, RawMesh
 Entity = tuple[int, int]
 Parts = dict[tuple[int, str], list[Entity]]
 TRIANGLE = 2  # Gmsh's element type
+SEWN = 1e-6  # of the diagonal: gaps between the faces of a solid that are closed
 BEGINNINGS = {".step": b"ISO-10303-21", ".stp": b"ISO-10303-21"}
 
 
@@ -40,7 +41,7 @@ def fill_cad(path: Path, *, size: float | None) -> RawMesh:
         notes: list[str] = []
         volumes = _import(path, notes)
         low, high = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
-        amount = sum(gmsh.model.occ.getMass(3, tag) for _, tag in volumes)
+        amount = sum(abs(gmsh.model.occ.getMass(3, tag)) for _, tag in volumes)
         size = require_size(
             path, size, diagonal=float(np.linalg.norm(high - low)), volume=amount, area=0.0
         )
@@ -67,7 +68,10 @@ def _import(path: Path, notes: list[str]) -> list[Entity]:
             gmsh.model.occ.synchronize()
             faces = gmsh.model.getEntities(2)
             if faces and not gmsh.model.getEntities(3):
-                gmsh.model.occ.healShapes(faces, sewFaces=True, makeSolids=True)
+                low, high = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+                gap = SEWN * float(np.linalg.norm(high - low))
+                # All shapes at once: face by face there is nothing to sew.
+                gmsh.model.occ.healShapes([], gap, sewFaces=True, makeSolids=True)
                 gmsh.model.occ.synchronize()
                 notes.append(f"the file's {len(faces)} faces were sewn together to solids.")
     except Exception as error:  # Gmsh's Python module raises nothing more precise
