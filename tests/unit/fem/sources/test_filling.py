@@ -133,7 +133,7 @@ def surfaces_that_fail():
         "open": (points, triangles[1:], ["open", "3 boundary edges", "from ("]),
         "fin": (np.vstack([points, [5, 5, 5]]), fin, ["open"]),
         "branching": (np.vstack([points, touching]), two, ["branching", "4 edges"]),
-        "overlapping": (np.vstack([points, moved]), two, ["overlap near ("]),
+        "overlapping": (np.vstack([points, moved]), two, ["overlap near (", "cross or touch"]),
         "flat": (points * [1, 1, 0], triangles, ["no volume", "open", "branching"]),
         "not finite": (points * [1, 1, np.nan], triangles, ["not finite"]),
     }
@@ -147,13 +147,19 @@ def test_surfaces_that_cannot_be_filled(tmp_path, case):
         read_source(path, size=0.4)
     text = str(error.value)
     assert str(path) in text
-    assert any(word in text for word in words) if case == "flat" else all(w in text for w in words)
+    # Which fault of these two is met first depends on round-off and on Gmsh.
+    enough = any if case in ("flat", "overlapping") else all
+    assert enough(word in text for word in words)
 
 
 @pytest.mark.parametrize(
-    ("size", "words"), [(None, ["--size (size=)", "for example 0.087"]), (9.0, ["out of proportion"]),
-                        (1e-5, ["out of proportion", "0.087"])]
-)  # fmt: skip
+    ("size", "words"),
+    [
+        (None, ["--size (size=)", "for example 0.087"]),
+        (9.0, ["out of proportion"]),
+        (1e-5, ["out of proportion", "0.087"]),
+    ],
+)
 def test_the_size_must_fit_the_body(tmp_path, size, words):
     path = write(tmp_path / "cube.stl", *box_skin())
     with pytest.raises(MeshError) as error:
