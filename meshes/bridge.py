@@ -1,10 +1,13 @@
 """Open-spandrel deck-arch bridge with a span of 20 m, of concrete by its proportions.
 
-Two parabolic ribs rise 4 m and carry the deck on columns; cross-beams tie the ribs together. One
-size gives (order 1, three degrees of freedom a node):
+Two parabolic ribs rise 4 m and carry the deck on columns; cross-beams tie the ribs together.
+Sizes that give a series of bodies at order 1, with three degrees of freedom a node (gmsh 4.15):
 
     size [m]   nodes     dofs
-    SIZES
+    0.48        3,254     9,762
+    0.24       10,093    30,279
+    0.14       33,777   101,331
+    0.09       99,338   298,014
 """
 
 import gmsh

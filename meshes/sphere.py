@@ -16,7 +16,7 @@ def sphere(
     *,
     size: modelling.Size = 0.2,
     order: modelling.Order = 1,
-    radius: Annotated[float, "[m]"] = 1.0,
+    radius: Annotated[float, "of the ball [m]"] = 1.0,
 ) -> None:
     """Ball about the origin.
 
