@@ -7,8 +7,9 @@ and ends at 79.1 mm (for E = 205 GPa, 7850 kg/m^3). The stem is ours: the text g
 
 The tuning was checked here with quadratic cells, the stem's end held, E = 206 GPa, Poisson's ratio
 0.29 and 7850 kg/m^3: the mode in which the prongs swing against each other comes at 441.3 Hz with
-6,362 nodes (2 mm) and at 440.3 Hz with 36,670 (1 mm), so the length was left alone. It is the fourth mode: the
-fork sways on its stem at 126 Hz in both directions, and the prongs wave out of its plane at 406 Hz.
+6,362 nodes (2 mm) and at 440.3 Hz with 36,670 (1 mm), so the length was left alone. It is the
+fourth mode: the fork sways on its stem at 126 Hz in both directions, and the prongs wave out of
+its plane at 406 Hz.
 """
 
 import math
