@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
-import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 from petsc4py import PETSc
+
+import numpy as np
+from numpy.typing import NDArray
 
 from fenics_defo.analysis.lanczos import block_lanczos
 from fenics_defo.analysis.phases import Phases
@@ -18,7 +19,8 @@ from fenics_defo.fem.multigrid import MultigridSolver
 
 Array = NDArray[np.float64]
 
-#: Vectors that are solved for at once: more reads the factors less often, and needs more vectors in all.
+#: Vectors that are solved for at once: more reads the factors less often, and needs more vectors in
+#: all.
 BLOCK = 4
 
 
@@ -106,7 +108,8 @@ class EigenProblem:
     def multigrid_lanczos(
         self, count: int, near_kernel: Array, *, tolerance: float, seed: int, phases: Phases
     ) -> Pairs:
-        """Pairs by block Lanczos with multigrid-preconditioned inner solves, for bodies of any size."""
+        """Pairs by block Lanczos with multigrid-preconditioned inner solves, for bodies of any
+        size."""
         matrix = self.shifted(self.shift)
         try:
             with phases("factorise"):
@@ -134,7 +137,8 @@ class EigenProblem:
         return Pairs(self.shift + 1.0 / found.theta, found.vectors)
 
     def below(self, value: float) -> int:
-        """Number of eigenvalues below a value, by the inertia of K - value M (one more factorisation)."""
+        """Number of eigenvalues below a value, by the inertia of K - value M (one more
+        factorisation)."""
         matrix = self.shifted(value)
         try:
             with Factorization(matrix, definite=False) as factors:

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.analysis.rigid import rigid_motions
@@ -14,7 +15,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Inertia:
-    """How a body resists its rigid motions r (x, y, z, rx, ry, rz; rotations about the centre of mass).
+    """How a body resists its rigid motions r (x, y, z, rx, ry, rz; rotations about the centre of
+    mass).
 
     Args:
         total_mass: [kg].

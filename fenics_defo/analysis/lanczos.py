@@ -1,18 +1,22 @@
 """Block Lanczos iteration with thick restarts for the eigenpairs of K x = λ M x next to a shift.
 
-The operator is (K - σ M)⁻¹ M, self-adjoint in the inner product of M; its largest eigenvalues θ = 1/(λ - σ) belong to
-the λ next to σ. Solving for a block of vectors reads MUMPS's factors once for all of them, where one vector at a time
-is bound by memory: this is why blocks win over SLEPc's Krylov-Schur, which is one vector at a time.
+The operator is (K - σ M)⁻¹ M, self-adjoint in the inner product of M; its largest eigenvalues θ =
+1/(λ - σ) belong to the λ next to σ. Solving for a block of vectors reads MUMPS's factors once for
+all of them, where one vector at a time is bound by memory: this is why blocks win over SLEPc's
+Krylov-Schur, which is one vector at a time.
 
-References: Grimes, Lewis and Simon, SIAM J. Matrix Anal. Appl. 15 (1994) 228-272 (shifted block Lanczos); Wu and Simon,
-SIAM J. Matrix Anal. Appl. 22 (2000) 602-616 (thick restart); Stewart, Matrix Algorithms II, SIAM 2001, chapter 5.
+References: Grimes, Lewis and Simon, SIAM J. Matrix Anal. Appl. 15 (1994) 228-272 (shifted block
+    Lanczos); Wu and Simon,
+SIAM J. Matrix Anal. Appl. 22 (2000) 602-616 (thick restart); Stewart, Matrix Algorithms II, SIAM
+2001, chapter 5.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.errors import EigenSolveError
@@ -54,7 +58,8 @@ def block_lanczos(
     """Largest eigenvalues of the operator solve(mass(x)), all positive. Collective.
 
     Args:
-        solve: X -> (K - σ M)⁻¹ X for a block (owned dofs, b), K - σ M positive definite on what is wanted.
+        solve: X -> (K - σ M)⁻¹ X for a block (owned dofs, b), K - σ M positive definite on what is
+            wanted.
         mass: X -> M X.
         random: gives a random block (owned dofs, b) in Fortran order; b is the block size.
         count: number of pairs.
@@ -89,7 +94,9 @@ def block_lanczos(
         done = _leading(bounds <= tolerance * np.abs(theta))
         if done >= count or len(projected) == independent:
             break
-        if rest.shape[0] == 0:  # an invariant subspace, without all of a multiple eigenvalue: look elsewhere
+        if (
+            rest.shape[0] == 0
+        ):  # an invariant subspace, without all of a multiple eigenvalue: look elsewhere
             basis.append(solve(mass(random())))
             solves += width
         if len(projected) + basis.newest_width > limit:
@@ -101,7 +108,8 @@ def block_lanczos(
             restarts += 1
             keep = min(len(theta) - width, count + width)
             basis.restart(inner[:, :keep])
-            # The residual block couples the kept pairs to what comes next: an arrowhead, found anew by projection.
+            # The residual block couples the kept pairs to what comes next: an arrowhead, found anew
+            # by projection.
             projected = np.diag(theta[:keep])
     if done < count:
         raise EigenSolveError(
@@ -127,7 +135,8 @@ def _grow(projected: Array, coefficients: Array, fresh: slice) -> Array:
 
 
 class _Basis:
-    """M-orthonormal vectors V with their products M V, in blocks; the last block awaits its image."""
+    """M-orthonormal vectors V with their products M V, in blocks; the last block awaits its
+    image."""
 
     def __init__(self, rows: int, columns: int, mass: BlockMap, comm: MPI.Comm) -> None:
         self._vectors = np.empty((rows, columns), order="F")
@@ -151,7 +160,8 @@ class _Basis:
         """Orthonormalise a block against the basis and itself, and add what is new of it.
 
         Returns:
-            ``coefficients`` (size before, b) and ``rest`` (new columns, b): block = V coefficients + V_new rest.
+            ``coefficients`` (size before, b) and ``rest`` (new columns, b): block = V coefficients
+            + V_new rest.
         """
         size = self._size
         old, products = self._vectors[:, :size], self._products[:, :size]
@@ -173,7 +183,8 @@ class _Basis:
         return coefficients, full
 
     def _orthonormal(self, block: Array) -> tuple[Array, Array, Array]:
-        """Q, M Q and R with block = Q R and Q orthonormal in M, by twofold Gram matrices; dependent columns go."""
+        """Q, M Q and R with block = Q R and Q orthonormal in M, by twofold Gram matrices; dependent
+        columns go."""
         product = self._mass(block)
         total = np.eye(block.shape[1])
         for _ in range(2):

@@ -4,8 +4,9 @@ import logging
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
@@ -33,7 +34,8 @@ _GUARD = 2
 # λ that differ by less are one eigenvalue, whose vectors may be rotated among each other.
 _SAME = 1e-9
 _ATTEMPTS = 4
-# Error of the shifted and inverted eigenvalues: the residuals stay near the factorisation's round-off.
+# Error of the shifted and inverted eigenvalues: the residuals stay near the factorisation's
+# round-off.
 _TOLERANCE = 1e-11
 _ITERATIVE_TOLERANCE = 1e-9
 
@@ -53,21 +55,23 @@ def linear_modes(
 ) -> Modes:
     """Lowest undamped vibration modes about the rest shape, or about a stable deformed state.
 
-    Solves K φ = ω² M φ with K the tangent stiffness and M the consistent mass; held components are eliminated
-    (their eigenvalues lie at infinity). A body with free rigid motions is solved about a small negative shift.
-    Collective on ``solid.comm``; the same result on each rank.
+    Solves K φ = ω² M φ with K the tangent stiffness and M the consistent mass; held components are
+    eliminated (their eigenvalues lie at infinity). A body with free rigid motions is solved about a
+    small negative shift. Collective on ``solid.comm``; the same result on each rank.
 
     Args:
         solid: body.
-        count: number of modes, rigid ones included if they are kept. A cluster of equal frequencies is never cut:
-            its last members are returned beyond ``count``.
-        displacement: (n, 3) [m] of the state that the body vibrates about (pre-stress); rest if not given.
-        solver: "lanczos": block Lanczos, shift and invert, factors by MUMPS; "krylov-schur": SLEPc's, with the same
-            factors, one vector at a time; "iterative": block Lanczos with inner solves by conjugate gradients and an
-            algebraic multigrid that knows the rigid motions, for bodies whose factors do not fit into memory.
+        count: number of modes, rigid ones included if they are kept. A cluster of equal frequencies
+            is never cut: its last members are returned beyond ``count``.
+        displacement: (n, 3) [m] of the state that the body vibrates about (pre-stress); rest if not
+            given.
+        solver: "lanczos": block Lanczos, shift and invert, factors by MUMPS; "krylov-schur":
+            SLEPc's, with the same factors, one vector at a time; "iterative": block Lanczos with
+            inner solves by conjugate gradients and an algebraic multigrid that knows the rigid
+            motions, for bodies whose factors do not fit into memory.
         keep_rigid: keep the rigid modes of a free body, as the first of the list.
-        verify: prove by an inertia count of K - σ M above the last mode that none is missing; one more
-            factorisation. Not with the iterative solver.
+        verify: prove by an inertia count of K - σ M above the last mode that none is missing; one
+            more factorisation. Not with the iterative solver.
         residual_tolerance: largest accepted relative residual ‖Kφ - ω²Mφ‖ / ‖ω²Mφ‖ of a mode [-].
         cluster_tolerance: relative distance of frequencies that count as equal [-].
         seed: of the random start vectors.
@@ -78,7 +82,8 @@ def linear_modes(
 
     Raises:
         DefoError: ``count`` or ``solver`` out of range, ``displacement`` of the wrong shape.
-        EigenSolveError: modes did not converge, are missing or inaccurate, or the state is not stable.
+        EigenSolveError: modes did not converge, are missing or inaccurate, or the state is not
+            stable.
         SolverError: the stiffness could not be factorised.
     """
     phases = phases or Phases()
@@ -278,5 +283,7 @@ def _checked_residuals(body: _Body, pairs: Pairs, tolerance: float) -> Array:
     gram = problem.products(pairs.vectors, multiply(problem.mass, pairs.vectors))
     worst_product = float(np.abs(gram - np.eye(len(gram))).max())
     if not worst_product <= 1e-8:
-        raise EigenSolveError(f"the modes are orthonormal to {worst_product:.1e} only, 1e-8 is allowed")
+        raise EigenSolveError(
+            f"the modes are orthonormal to {worst_product:.1e} only, 1e-8 is allowed"
+        )
     return residuals

@@ -64,6 +64,10 @@ def free_motions(points: Array, cells: NDArray[np.int64], held: NDArray[np.bool_
         size = max(float(np.abs(own - centre).max()), np.finfo(float).tiny)
         motions = rigid_motions((own - centre) / size, np.zeros(3))
         at_held = motions[:, held[here]]
-        rank = int(np.linalg.matrix_rank(at_held @ at_held.T, hermitian=True, tol=1e-12 * max(1, at_held.shape[1])))
+        rank = int(
+            np.linalg.matrix_rank(
+                at_held @ at_held.T, hermitian=True, tol=1e-12 * max(1, at_held.shape[1])
+            )
+        )
         total += 6 - rank
     return total

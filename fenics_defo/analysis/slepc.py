@@ -3,10 +3,11 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 from slepc4py import SLEPc
+
+import numpy as np
+from numpy.typing import NDArray
 
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.phases import Phases

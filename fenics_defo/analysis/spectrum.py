@@ -26,8 +26,9 @@ def cluster_end(values: Array, count: int, *, rtol: float) -> int:
 def align_clusters(values: Array, projections: Array, *, rtol: float) -> Array:
     """Rotation that makes vectors of equal eigenvalues unique: each takes all of one field's share.
 
-    Within a cluster any rotation solves the eigenvalue problem. Taken is the one in which the first vector holds
-    all of the first field that the cluster projects on (x, then y, ...), the second none of it, and so on.
+    Within a cluster any rotation solves the eigenvalue problem. Taken is the one in which the first
+    vector holds all of the first field that the cluster projects on (x, then y, ...), the second
+    none of it, and so on.
 
     Args:
         values: (k,) ascending λ.
@@ -49,7 +50,8 @@ def align_clusters(values: Array, projections: Array, *, rtol: float) -> Array:
 
 
 def _claimed(projections: Array) -> Array:
-    """Orthogonal columns: the parts of the fields' projections that earlier fields have not taken."""
+    """Orthogonal columns: the parts of the fields' projections that earlier fields have not
+    taken."""
     size = len(projections)
     columns = np.zeros((size, 0))
     scale = np.abs(projections).max(initial=0.0)
@@ -71,7 +73,8 @@ def _claimed(projections: Array) -> Array:
 
 
 def signs(shapes: Array) -> Array:
-    """Signs (k,) that make the largest component of each shape positive; the first of equals decides.
+    """Signs (k,) that make the largest component of each shape positive; the first of equals
+    decides.
 
     Args:
         shapes: (k, n, 3).

@@ -3,17 +3,18 @@
 from types import TracebackType
 from typing import Self
 
+from petsc4py import PETSc
+
 import numpy as np
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 from fenics_defo.errors import SolverError
 from fenics_defo.fem.compat import dolfinx  # noqa: F401  (PETSc's wheel wants DOLFINx's order of loading)
 
 Array = NDArray[np.float64]
 
-#: Prefix of PETSc's options for the factorisation: ``-fenics_defo_mat_mumps_icntl_7 4`` in ``PETSC_OPTIONS``
-#: orders by PORD instead of METIS.
+#: Prefix of PETSc's options for the factorisation: ``-fenics_defo_mat_mumps_icntl_7 4`` in
+#: ``PETSC_OPTIONS`` orders by PORD instead of METIS.
 OPTIONS_PREFIX = "fenics_defo_"
 
 # MUMPS's control parameters, by their number in its users' guide.
@@ -25,19 +26,21 @@ _OUT_OF_MEMORY = (-9, -13)
 
 
 class Factorization:
-    """MUMPS's factorisation of a symmetric matrix, for many right-hand sides. Collective; use in ``with``.
+    """MUMPS's factorisation of a symmetric matrix, for many right-hand sides. Collective; use in
+    ``with``.
 
     Args:
         matrix: assembled symmetric matrix; not kept.
-        definite: promise that it is positive definite, which spares the search for pivots. Without the promise
-            the pivots' signs can be counted.
+        definite: promise that it is positive definite, which spares the search for pivots. Without
+            the promise the pivots' signs can be counted.
 
     Raises:
         SolverError: the matrix is singular, or memory ran out.
     """
 
     def __init__(self, matrix: PETSc.Mat, *, definite: bool) -> None:
-        # Half a symmetric matrix in 3x3 blocks: what MUMPS wants, without a search for the triangle.
+        # Half a symmetric matrix in 3x3 blocks: what MUMPS wants, without a search for the
+        # triangle.
         self._matrix = matrix.convert("sbaij", PETSc.Mat())
         self._matrix.setOption(PETSc.Mat.Option.SPD, definite)
         self._solver = PETSc.PC().create(matrix.getComm())

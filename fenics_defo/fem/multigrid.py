@@ -3,9 +3,10 @@
 from types import TracebackType
 from typing import Self
 
+from petsc4py import PETSc
+
 import numpy as np
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 from fenics_defo.errors import SolverError
 from fenics_defo.fem.linalg import OPTIONS_PREFIX
@@ -14,9 +15,11 @@ Array = NDArray[np.float64]
 
 
 class MultigridSolver:
-    """CG preconditioned by PETSc's GAMG, which is told the rigid motions. Collective; use in ``with``.
+    """CG preconditioned by PETSc's GAMG, which is told the rigid motions. Collective; use in
+    ``with``.
 
-    References: Vanek, Mandel and Brezina, Computing 56 (1996) 179-196 (smoothed aggregation for elasticity).
+    References: Vanek, Mandel and Brezina, Computing 56 (1996) 179-196 (smoothed aggregation for
+        elasticity).
 
     Args:
         matrix: positive definite matrix in 3x3 blocks; not kept.
