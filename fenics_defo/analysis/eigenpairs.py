@@ -151,7 +151,7 @@ class EigenProblem:
         matrix = self.shifted(self.shift)
         try:
             with phases("factorise"):
-                solver = MultigridSolver(matrix, near_kernel, self.free, rtol=0.01 * tolerance)
+                solver = MultigridSolver(matrix, near_kernel, self.free, rtol=1e-4 * tolerance)
         finally:
             matrix.destroy()
         with solver, phases("solve"):
