@@ -26,7 +26,7 @@ _OUT_OF_MEMORY = (-9, -13)
 
 
 class Factorization:
-    """MUMPS's factors of a symmetric matrix, for many right-hand sides; use in ``with``. Collective.
+    """MUMPS's factors of a symmetric matrix; use in ``with``. Collective.
 
     Args:
         matrix: assembled symmetric matrix; not kept.
@@ -139,8 +139,8 @@ def _dense(like: PETSc.Mat, block: Array) -> PETSc.Mat:
 def _failure(status: int, detail: int, size: int) -> str:
     if status in _OUT_OF_MEMORY:
         return (
-            f"memory ran out while factorising {size} degrees of freedom (MUMPS {status}, {detail}); "
-            "use a coarser mesh, order 1, or the iterative solver (--solver iterative)"
+            f"memory ran out while factorising {size} degrees of freedom (MUMPS {status}, "
+            f"{detail}); use a coarser mesh, order 1, or the iterative solver (--solver iterative)"
         )
     if status == -10:
         return (
