@@ -2,14 +2,13 @@
 
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, BinaryIO
 
 from numpy.typing import NDArray
 
-from fenics_defo.errors import DefoError
 from fenics_defo.runtime import Modes, atomic_path
 from fenics_defo.view.captions import field_names
+from fenics_defo.view.paths import check_vtk_path
 from fenics_defo.view.vtk_legacy import write_legacy
 from fenics_defo.view.vtk_xml import write_xml
 
@@ -33,8 +32,7 @@ def write_modes_vtk(modes: Modes, path: str | os.PathLike[str]) -> None:
     Raises:
         DefoError: the suffix is another one, or the file cannot be written.
     """
-    writer = _WRITERS.get(vtk_suffix(path))
-    assert writer is not None
+    writer = _WRITERS[check_vtk_path(path)]
     point_data: dict[str, NDArray[Any]] = dict(zip(field_names(modes), modes.shapes, strict=True))
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         stream: BinaryIO = file
@@ -46,18 +44,3 @@ def write_modes_vtk(modes: Modes, path: str | os.PathLike[str]) -> None:
             point_data=point_data | {"node_number": modes.node_numbers},
             field_data={"frequencies_hz": modes.frequencies},
         )
-
-
-def vtk_suffix(path: str | os.PathLike[str]) -> str:
-    """Return the suffix of ``path`` if `write_modes_vtk` knows it: a check for up front.
-
-    Raises:
-        DefoError: it does not.
-    """
-    suffix = Path(path).suffix.lower()
-    if suffix not in _WRITERS:
-        raise DefoError(
-            f"{path}: the suffix {suffix!r} is not one of {', '.join(_WRITERS)}; "
-            "name the file *.vtu to open it in ParaView."
-        )
-    return suffix
