@@ -1,0 +1,48 @@
+"""Standard output and standard error: what is meant for them, as they can show it."""
+
+import contextlib
+import ctypes
+import os
+import sys
+from collections.abc import Iterator
+from typing import TextIO
+
+
+def write_text(stream: TextIO, text: str) -> None:
+    """Write ``text`` now, escaping characters that the stream's encoding lacks."""
+    encoding = stream.encoding or "utf-8"
+    stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
+    stream.flush()
+
+
+def can_style(stream: TextIO) -> bool:
+    """Whether escape codes make sense there: a terminal, and nobody asked for none."""
+    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM", "dumb") == "dumb"
+    return stream.isatty() and not plain
+
+
+def discard_stdout() -> None:
+    """Let nothing more be written to a pipe that nobody reads, not even when Python ends."""
+    with contextlib.suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+
+
+@contextlib.contextmanager
+def libraries_on_stderr() -> Iterator[None]:
+    """Send what libraries print to standard output to standard error instead.
+
+    It covers Python and C: what scripts read from standard output must be ours alone.
+    """
+    c_library = ctypes.CDLL(None)
+    sys.stdout.flush()
+    kept = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+    finally:
+        c_library.fflush(None)  # C's own buffers, before descriptor 1 is the user's again
+        os.dup2(kept, 1)
+        os.close(kept)
