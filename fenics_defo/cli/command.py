@@ -1,6 +1,7 @@
 """How each command begins and ends: its parser, its errors in one sentence, its exit status."""
 
 import argparse
+import contextlib
 import os
 import signal
 import sys
@@ -9,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from fenics_defo.cli.output import discard_stdout, write_text
+from fenics_defo.cli.output import discard_stdout, open_missing_streams, write_text
 from fenics_defo.errors import DefoError
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ class Run:
         line = f"{self.command}: {sentence}\n"
         together = self.ranks is None or self.ranks.all_here()
         if self.is_first or not together:
-            write_text(sys.stderr, line)
+            _tell(line)
         if self.ranks is not None and not together:
             self.ranks.abort(FAILED)
         return FAILED
@@ -107,12 +108,13 @@ def run(command: str, work: Callable[[Run], None]) -> int:
         command: name of the command.
         work: what it does, with the run to register its ranks with.
     """
+    open_missing_streams()
     current = Run(command)
     try:
         work(current)
         sys.stdout.flush()
     except KeyboardInterrupt:
-        write_text(sys.stderr, f"{command}: interrupted; no file is left half-written\n")
+        _tell(f"{command}: interrupted; no file is left half-written\n")
         if current.ranks is not None and current.ranks.are_many:
             current.ranks.abort(INTERRUPTED)
         return INTERRUPTED
@@ -134,6 +136,12 @@ def run(command: str, work: Callable[[Run], None]) -> int:
         traceback.print_exc()
         current.ranks.abort(FAILED)
     return 0
+
+
+def _tell(line: str) -> None:
+    """Write to standard error, if anybody listens."""
+    with contextlib.suppress(OSError, DefoError):
+        write_text(sys.stderr, line)
 
 
 def _sentence(error: BaseException) -> str:

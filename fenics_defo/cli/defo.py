@@ -5,7 +5,6 @@ from argparse import Namespace
 
 from fenics_defo import __version__
 from fenics_defo.cli.command import Parser, Run, number, run
-from fenics_defo.cli.progress import progress_shown
 
 
 def build_parser() -> Parser:
@@ -52,9 +51,12 @@ def main(argv: list[str] | None = None) -> int:
 def _work(options: Namespace, current: Run) -> None:
     if not current.is_first:  # started by mpiexec: nothing here needs several processes
         return
-    with progress_shown(show=not options.json) as progress:
+    # Late imports: they load NumPy and, for a mesh, DOLFINx and its company.
+    from fenics_defo.cli.output import own_arguments_hidden
+    from fenics_defo.cli.progress import progress_shown
+
+    with progress_shown(show=not options.json) as progress, own_arguments_hidden():
         progress.start("read")
-        # Late, because it loads NumPy, and for a mesh all that reads meshes.
         from fenics_defo.cli.info import print_info
 
         print_info(options.file, size=options.size, as_json=options.json, progress=progress)

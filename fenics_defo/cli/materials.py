@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fenics_defo.cli.numbers import constants_text
+from fenics_defo.cli.number_text import constants_text
 from fenics_defo.energy import Material, StVenantKirchhoff, read_materials
 
 STEEL = {"young": 2.1e11, "poisson": 0.3, "density": 7850.0}

@@ -5,7 +5,7 @@ from typing import Any
 
 from fenics_defo.cli.cell_names import CELL_NAMES
 from fenics_defo.cli.mesh_figures import count_pieces, scaled_jacobians, volume
-from fenics_defo.cli.numbers import constants_text
+from fenics_defo.cli.number_text import constants_text
 from fenics_defo.fem.sources import read_source
 
 _CELL_TYPES = {4: "tetra", 10: "tetra10", 8: "hexahedron", 27: "hexahedron27"}

@@ -6,7 +6,7 @@ import numpy as np
 
 from fenics_defo.cli.cell_names import CELL_NAMES
 from fenics_defo.cli.modes_table import table_lines
-from fenics_defo.cli.numbers import six_digits
+from fenics_defo.cli.number_text import six_digits
 from fenics_defo.runtime import Modes
 
 

@@ -10,7 +10,7 @@ from fenics_defo import __version__
 from fenics_defo.cli.cell_names import CELL_NAMES
 from fenics_defo.cli.materials import ChosenMaterials
 from fenics_defo.cli.modes_table import table_lines
-from fenics_defo.cli.numbers import six_digits
+from fenics_defo.cli.number_text import six_digits
 from fenics_defo.runtime import Modes
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from fenics_defo import fem, view
 from fenics_defo.analysis import Phases, describe_motion, linear_modes
 from fenics_defo.cli.command import Run
+from fenics_defo.cli.kernels import no_unfinished_kernels
 from fenics_defo.cli.materials import ChosenMaterials, given_materials, settled_materials
 from fenics_defo.cli.modes_report import ModesReport
 from fenics_defo.cli.output import can_style, libraries_on_stderr, write_text
@@ -30,7 +31,7 @@ def compute_and_print(options: Namespace, current: Run, progress: Progress, begi
     if not ranks.is_first:
         progress.silence()
     phases = Phases(on_start=progress.start, seconds={"load": time.perf_counter() - begin})
-    with libraries_on_stderr():
+    with libraries_on_stderr(), no_unfinished_kernels():
         report = _compute(options, ranks, progress, phases)
     progress.stop()
     if ranks.is_first:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from fenics_defo.cli.numbers import period_text, six_digits
+from fenics_defo.cli.number_text import period_text, six_digits
 from fenics_defo.runtime import DIRECTIONS, Modes
 
 _DIM, _BOLD, _PLAIN = "\x1b[2m", "\x1b[1m", "\x1b[0m"

@@ -7,12 +7,45 @@ import sys
 from collections.abc import Iterator
 from typing import TextIO
 
+from fenics_defo.errors import DefoError
+
 
 def write_text(stream: TextIO, text: str) -> None:
-    """Write ``text`` now, escaping characters that the stream's encoding lacks."""
+    """Write ``text`` now, escaping characters that the stream's encoding lacks.
+
+    Raises:
+        BrokenPipeError: nobody reads it any more.
+        DefoError: it cannot be written for another reason, such as a full disk.
+    """
     encoding = stream.encoding or "utf-8"
-    stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
-    stream.flush()
+    try:
+        stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
+        stream.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise DefoError(f"{stream.name}: cannot be written ({error.strerror})") from error
+
+
+def open_missing_streams() -> None:
+    """Open what the shell closed (``>&-``), lest the next file opened takes its place."""
+    for descriptor, name in ((1, "stdout"), (2, "stderr")):
+        if getattr(sys, name) is None:
+            stream = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  (kept to the end)
+            if stream.fileno() != descriptor:
+                os.dup2(stream.fileno(), descriptor)
+            setattr(sys, name, stream)
+
+
+@contextlib.contextmanager
+def own_arguments_hidden() -> Iterator[None]:
+    """Show libraries that read `sys.argv` when they are imported, as DOLFINx does, none of ours."""
+    kept = sys.argv
+    sys.argv = kept[:1]
+    try:
+        yield
+    finally:
+        sys.argv = kept
 
 
 def can_style(stream: TextIO) -> bool:

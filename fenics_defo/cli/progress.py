@@ -1,15 +1,16 @@
 """Where a long computation is, on standard error; and the notes it makes."""
 
 import contextlib
+import importlib.util
 import logging
+import subprocess
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from fenics_defo.cli.output import can_style, write_text
 
-if TYPE_CHECKING:
-    from rich.progress import Progress as RichProgress
+_TICKER = Path(__file__).with_name("ticker.py")
 
 
 class Progress:
@@ -20,46 +21,69 @@ class Progress:
     """
 
     def __init__(self, *, show: bool) -> None:
-        self._silent = False
         self._notes: list[str] = []
+        self._silent = False
         self._is_terminal = sys.stderr.isatty()
-        self._display = _display() if show and can_style(sys.stderr) else None
-        if self._display is not None:
-            self._task = self._display.add_task("", total=None)
+        self._ticker = _start_ticker() if show and can_style(sys.stderr) else None
 
     def silence(self) -> None:
         """Show and write nothing from now on: another rank does."""
         self.stop()
-        self._display = None
         self._silent = True
 
     def start(self, phase: str) -> None:
         """Show that a phase has begun."""
-        if self._display is not None:
-            self._display.reset(self._task, description=phase)
-            self._display.start()
-            self._display.refresh()  # the thread that redraws may not run while PETSc computes
-
-    def stop(self) -> None:
-        """Take the display away."""
-        if self._display is not None:
-            self._display.stop()
+        self._send(f"phase {phase}")
 
     def note(self, text: str) -> None:
         """Write one line ``note: ...``: now on a terminal, elsewhere when the work is done.
 
         A run that fails says one thing only, for scripts that pass it on.
         """
-        self._notes.append(f"note: {' '.join(text.splitlines())}\n")
+        line = " ".join(text.splitlines())
+        if self._silent or self._send(f"note {line}"):
+            return
+        self._notes.append(f"note: {line}\n")
         if self._is_terminal:
-            self.stop()
             self.tell_notes()
 
     def tell_notes(self) -> None:
         """Write the notes that wait."""
-        if not self._silent:
+        if self._notes:
             write_text(sys.stderr, "".join(self._notes))
         self._notes.clear()
+
+    def stop(self) -> None:
+        """Take the display away."""
+        ticker, self._ticker = self._ticker, None
+        if ticker is not None:
+            with contextlib.suppress(OSError):
+                ticker.communicate()
+
+    def _send(self, line: str) -> bool:
+        """Pass a line to the display, if there is one."""
+        if self._ticker is None or self._ticker.stdin is None:
+            return False
+        try:
+            self._ticker.stdin.write(line + "\n")
+            self._ticker.stdin.flush()
+        except OSError:  # it is gone: a display is no reason to stop the work
+            self._ticker = None
+            return False
+        return True
+
+
+def _start_ticker() -> "subprocess.Popen[str] | None":
+    if importlib.util.find_spec("rich") is None:
+        return None
+    # -P keeps this folder, whose names are not meant for it, from its search path.
+    command = [sys.executable, "-P", str(_TICKER)]
+    try:
+        return subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, errors="replace"
+        )
+    except OSError:
+        return None
 
 
 class _Notes(logging.Handler):
@@ -94,19 +118,3 @@ def progress_shown(*, show: bool) -> Iterator[Progress]:
         progress.stop()
         logger.removeHandler(handler)
         logger.propagate = before
-
-
-def _display() -> "RichProgress | None":
-    try:
-        from rich.console import Console
-        from rich.progress import Progress as RichProgress
-        from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
-    except ImportError:  # a display is no reason to refuse the work
-        return None
-    return RichProgress(
-        SpinnerColumn(),
-        TextColumn("{task.description}", markup=False),
-        TimeElapsedColumn(),
-        console=Console(stderr=True),
-        transient=True,
-    )
