@@ -14,15 +14,15 @@ _SLENDER = 5.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class View:
-    """A parallel projection.
+    """A parallel projection; lengths in the unit of the points it was chosen for.
 
     Args:
         right: unit vector to the right of the picture (3,).
         up: unit vector to its top (3,).
         towards: unit vector from the body to the eye (3,).
-        centre: point in the middle of the picture (3,) [m].
-        width: extent of what is to be seen [m].
-        height: likewise [m].
+        centre: point in the middle of the picture (3,).
+        width: extent of what is to be seen.
+        height: likewise.
     """
 
     right: Array
@@ -41,8 +41,8 @@ def good_view(points: Array, moved: Array) -> View:
     coordinates (z up); any other lies on its broadest side.
 
     Args:
-        points: nodes at rest (n, 3) [m].
-        moved: everything that has to be in the picture (..., 3) [m].
+        points: nodes at rest (n, 3).
+        moved: everything that has to be in the picture (..., 3).
     """
     long, wide, up, depth = _stance(points)
     slenderness = depth[0] / max(depth[1], 1e-12 * depth[0])

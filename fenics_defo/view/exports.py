@@ -14,8 +14,8 @@ from fenics_defo.view.vtk_xml import write_xml
 
 _WRITERS: dict[str, Callable[..., None]] = {".vtu": write_xml, ".vtk": write_legacy}
 
-# Numbers of the cell types in VTK (vtkCellType.h).
-_VTK_CELL_TYPES = {"tetra": 10, "hexahedron": 12, "tetra10": 24, "hexahedron27": 29}
+VTK_CELL_TYPES = {"tetra": 10, "hexahedron": 12, "tetra10": 24, "hexahedron27": 29}
+"""Numbers of our cell types in VTK (vtkCellType.h)."""
 
 
 def write_modes_vtk(modes: Modes, path: str | os.PathLike[str]) -> None:
@@ -40,7 +40,7 @@ def write_modes_vtk(modes: Modes, path: str | os.PathLike[str]) -> None:
             stream,
             points=modes.points,
             cells=modes.cells,
-            vtk_cell_type=_VTK_CELL_TYPES[modes.cell_type],
+            vtk_cell_type=VTK_CELL_TYPES[modes.cell_type],
             point_data=point_data | {"node_number": modes.node_numbers},
             field_data={"frequencies_hz": modes.frequencies},
         )

@@ -81,7 +81,7 @@ def _look(plotter: Any, view: View, size: tuple[int, int]) -> None:
 
 def _light(plotter: Any, view: View) -> None:
     """Light the body from above left, and weakly from the right and the eye."""
-    for sideways, above, strength in ((-0.7, 0.9, 0.45), (0.9, 0.1, 0.2), (0.0, 0.0, 0.25)):
+    for sideways, above, strength in ((-0.6, 0.9, 0.48), (0.9, 0.1, 0.22), (0.0, 0.0, 0.36)):
         direction = view.towards + sideways * view.right + above * view.up
         light = pyvista.Light(intensity=strength, light_type="scene light")
         light.positional = False

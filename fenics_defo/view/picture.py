@@ -1,6 +1,7 @@
 """A picture of the mode shapes, one panel each."""
 
 import os
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,21 +61,31 @@ def mode_picture(
     shown = modes.select(chosen)
     words = describe_motion(shown)
     titles = [caption(modes, i, word) for i, word in zip(chosen, words, strict=True)]
-    body = skin(shown)
+    body = skin(_to_unit_size(shown))
     factors = np.array([_factor(body, move, scale) for move in body.surface_moves])
     moved = body.surface.points + factors[:, None, None] * body.surface_moves
-    view = good_view(modes.points, moved)
-    width, height = panel_size(view.width, view.height)
-    drawings = draw_panels(body, factors, view, (width, height))
-    sheet = compose(
-        drawings, titles, note=omissions(first, modes.size - chosen.stop), columns=columns
-    )
+    view = good_view(np.asarray(body.surface.points), moved)
+    drawings = draw_panels(body, factors, view, panel_size(view.width, view.height))
+    note = omissions(first, modes.size - chosen.stop)
+    sheet = compose(drawings, titles, note=note, columns=columns)
     with atomic_path(path) as temporary:
         sheet.save(temporary, dpi=(_DPI, _DPI), compress_level=4)
 
 
+def _to_unit_size(modes: Modes) -> Modes:
+    """Return the body with a diagonal of 1 around the origin.
+
+    VTK draws in single precision and merges points by absolute distances.
+    """
+    used = np.zeros(len(modes.points), dtype=bool)
+    used[modes.cells] = True
+    low, high = modes.points[used].min(axis=0), modes.points[used].max(axis=0)
+    diagonal = np.linalg.norm(high - low)
+    return replace(modes, points=(modes.points - (low + high) / 2.0) / max(diagonal, 1e-300))
+
+
 def _factor(body: Skin, move: Array, scale: float | None) -> float:
-    """Return the factor [m kg^1/2] that makes ``move`` (s, 3) visible."""
+    """Return the factor that makes ``move`` (s, 3) visible."""
     largest = np.linalg.norm(move, axis=1).max()
     if not largest > 0.0:
         return 1.0

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime import Modes
+from fenics_defo.view.exports import VTK_CELL_TYPES
 from fenics_defo.view.offscreen import pyvista
 
 Array = NDArray[np.float64]
 
-_VTK_CELL_TYPES = {"tetra": 10, "hexahedron": 12, "tetra10": 24, "hexahedron27": 29}
 _FEATURE_ANGLE = 35.0  # degrees between facets that make an edge, more than coarse round parts have
 _FEW_FACES, _MANY_FACES = 1500, 20_000  # on the surface; more are smooth with less subdivision
 
@@ -40,7 +40,7 @@ class Skin:
 def skin(modes: Modes) -> Skin:
     """Extract the surface; faces of second order are cut up and follow their curves."""
     grid = pyvista.UnstructuredGrid(
-        {_VTK_CELL_TYPES[modes.cell_type]: modes.cells}, np.array(modes.points)
+        {VTK_CELL_TYPES[modes.cell_type]: modes.cells}, np.array(modes.points)
     )
     for index, shape in enumerate(modes.shapes):
         grid.point_data[f"mode {index}"] = shape
