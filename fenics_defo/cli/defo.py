@@ -52,10 +52,9 @@ def _work(options: Namespace, current: Run) -> None:
     if not current.is_first:  # started by mpiexec: nothing here needs several processes
         return
     # Late imports: they load NumPy and, for a mesh, DOLFINx and its company.
-    from fenics_defo.cli.output import own_arguments_hidden
     from fenics_defo.cli.progress import progress_shown
 
-    with progress_shown(show=not options.json) as progress, own_arguments_hidden():
+    with progress_shown(show=not options.json) as progress:
         progress.start("read")
         from fenics_defo.cli.info import print_info
 

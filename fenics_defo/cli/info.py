@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from fenics_defo.cli.modes_info import modes_record, modes_text
-from fenics_defo.cli.output import can_style, libraries_on_stderr, write_text
+from fenics_defo.cli.output import can_style, libraries_on_stderr, loading_libraries, write_text
 from fenics_defo.cli.progress import Progress
 from fenics_defo.runtime import load_modes
 
@@ -32,7 +32,8 @@ def print_info(file: str, *, size: float | None, as_json: bool, progress: Progre
             text = "" if as_json else modes_text(file, modes, style=style)
         else:
             # Late, because it needs DOLFINx and its company, which a file of modes does not.
-            from fenics_defo.cli.mesh_info import mesh_record, mesh_text
+            with loading_libraries():
+                from fenics_defo.cli.mesh_info import mesh_record, mesh_text
 
             record = mesh_record(file, size=size)
             text = "" if as_json else mesh_text(record)

@@ -183,12 +183,12 @@ def _constants(options: Namespace) -> list[str]:
 
 def _work(options: Namespace, current: Run, begin: float) -> None:
     # Late imports: DOLFINx takes a second to load, and --help should not.
-    from fenics_defo.cli.output import own_arguments_hidden
+    from fenics_defo.cli.output import loading_libraries
     from fenics_defo.cli.progress import progress_shown
 
     with progress_shown(show=not options.json) as progress:
         progress.start("load")
-        with own_arguments_hidden():
+        with loading_libraries():
             from fenics_defo.cli import modes_run
 
         modes_run.compute_and_print(options, current, progress, begin)

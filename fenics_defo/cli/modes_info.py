@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from fenics_defo.analysis import describe_motion
 from fenics_defo.cli.cell_names import CELL_NAMES
 from fenics_defo.cli.modes_table import table_lines
 from fenics_defo.cli.number_text import six_digits
@@ -22,7 +23,7 @@ def modes_record(file: str, modes: Modes) -> dict[str, Any]:
         "effective_mass": {
             name: column.tolist() for name, column in modes.effective_mass_by_direction.items()
         },
-        "motion": list(motions(modes)),
+        "motion": list(describe_motion(modes)),
         "nodes": len(modes.points),
         "cells": len(modes.cells),
         "cell_type": modes.cell_type,
@@ -46,7 +47,7 @@ def modes_text(file: str, modes: Modes, *, style: bool = False) -> str:
         f"{value:.6g}" if abs(value) > 1e-9 * size else "0" for value in modes.centre
     )
     lines = [
-        *table_lines(modes, motions(modes), style=style),
+        *table_lines(modes, describe_motion(modes), style=style),
         "",
         f"file: {file}, vibration modes",
         f"mesh: {len(modes.cells)} {CELL_NAMES[modes.cell_type]}, {len(modes.points)} nodes",
@@ -56,12 +57,3 @@ def modes_text(file: str, modes: Modes, *, style: bool = False) -> str:
         f"largest residual: {modes.residuals.max():.1e}",
     ]
     return "\n".join(lines) + "\n"
-
-
-def motions(modes: Modes) -> tuple[str, ...]:
-    """Return the kinds of motion, or empty words where only NumPy is installed."""
-    try:
-        from fenics_defo.analysis import describe_motion
-    except ImportError:
-        return ("",) * modes.size
-    return describe_motion(modes)

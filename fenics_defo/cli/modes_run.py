@@ -59,7 +59,7 @@ def _compute(options: Namespace, ranks: Ranks, progress: Progress, phases: Phase
         solid = fem.Solid(
             mesh,
             {region: material for region, material in materials.by_region.items()},
-            order=options.order or mesh.mesh.geometry.cmap.degree,
+            order=options.order or mesh.mesh.geometry.cmaps[0].degree,
             fixed=fixed,
         )
     modes = linear_modes(

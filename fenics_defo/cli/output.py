@@ -3,7 +3,9 @@
 import contextlib
 import ctypes
 import os
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from typing import TextIO
 
@@ -38,14 +40,20 @@ def open_missing_streams() -> None:
 
 
 @contextlib.contextmanager
-def own_arguments_hidden() -> Iterator[None]:
-    """Show libraries that read `sys.argv` when they are imported, as DOLFINx does, none of ours."""
+def loading_libraries() -> Iterator[None]:
+    """Guard an import of DOLFINx and its company.
+
+    It shows them none of our arguments, for DOLFINx reads `sys.argv`, and takes the signal of
+    broken pipes back from PETSc, which would abort where Python raises an error.
+    """
     kept = sys.argv
     sys.argv = kept[:1]
     try:
         yield
     finally:
         sys.argv = kept
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGPIPE, signal.SIG_IGN)
 
 
 def can_style(stream: TextIO) -> bool:

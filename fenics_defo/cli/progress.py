@@ -68,7 +68,7 @@ class Progress:
             self._ticker.stdin.write(line + "\n")
             self._ticker.stdin.flush()
         except OSError:  # it is gone: a display is no reason to stop the work
-            self._ticker = None
+            self.stop()
             return False
         return True
 
