@@ -93,4 +93,4 @@ def _pairs(problem: EigenProblem, eps: SLEPc.EPS, count: int) -> Pairs:
         eps.getEigenvector(int(index), vector)
         vectors[:, place] = vector.array
     vector.destroy()
-    return Pairs(values[order], vectors)
+    return problem.ritz(vectors, converged=found)
