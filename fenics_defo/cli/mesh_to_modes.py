@@ -133,8 +133,8 @@ def _add_modes(parser: Parser) -> None:
         "--solver",
         choices=("lanczos", "krylov-schur", "iterative"),
         default="lanczos",
-        help="lanczos: our block Lanczos (default); krylov-schur: SLEPc's; iterative: LOBPCG with "
-        "multigrid, for bodies whose factors exceed the memory, without a count",
+        help="lanczos: our block Lanczos (default); krylov-schur: SLEPc's; iterative: block "
+        "Lanczos with multigrid, for bodies whose factors exceed the memory, without a count",
     )
 
 

@@ -1,4 +1,4 @@
-"""What the README and the pages in docs/ show is what happens: their Python blocks run as they stand."""
+"""What the README and docs/ show is what happens: their Python blocks run as they stand."""
 
 import re
 import shlex
