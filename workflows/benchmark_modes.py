@@ -191,9 +191,9 @@ def report(results: dict[str, dict[str, float]]) -> str:
     lines = [
         "# 20 modes: seconds by phase",
         "",
-        f"Medians, one thread, {processor()}, Python {platform.python_version()}. `factorise` is one",
-        "factorisation by MUMPS, the floor; `total` is `assemble + factorise + solve`, without reading",
-        "the mesh and without the count that proves completeness. Made by",
+        f"Medians, one thread, {processor()}, Python {platform.python_version()}. `factorise` is",
+        "one factorisation by MUMPS, the floor; `total` is `assemble + factorise + solve`, without",
+        "reading the mesh and without the count that proves completeness. Made by",
         "`workflows/benchmark_modes.py`.",
         "",
         "| " + " | ".join(COLUMNS) + " |",

@@ -6,7 +6,7 @@ from typing import NoReturn
 
 from fenics_defo.errors import DefoError
 from fenics_defo.fem.compat import MPI
-from fenics_defo.fem.distribution import on_first_rank
+from fenics_defo.fem.ranks import on_first_rank
 
 _PATIENCE = 10.0  # seconds that ranks with the same error may lie apart
 _POLL = 0.01
