@@ -5,9 +5,11 @@ import contextlib
 import os
 import signal
 import sys
+import threading
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from fenics_defo.cli.output import discard_stdout, open_missing_streams, write_text
@@ -77,15 +79,26 @@ class Run:
     Args:
         command: its name, to begin sentences with.
         ranks: the MPI ranks, once MPI is loaded.
+        interrupted: whether Ctrl-C was pressed.
     """
 
     command: str
     ranks: "Ranks | None" = None
+    interrupted: bool = False
 
     @property
     def is_first(self) -> bool:
         """Whether this process is the one that prints."""
         return is_first_process() if self.ranks is None else self.ranks.is_first
+
+    def go_on(self) -> None:
+        """Stop here if Ctrl-C was pressed and a library has swallowed the exception.
+
+        Raises:
+            KeyboardInterrupt: it was.
+        """
+        if self.interrupted:
+            raise KeyboardInterrupt
 
     def fail(self, sentence: str) -> int:
         """Say on rank 0 why the run ends, and return the exit status once all ranks agree."""
@@ -96,6 +109,13 @@ class Run:
         if self.ranks is not None and not together:
             self.ranks.abort(FAILED)
         return FAILED
+
+    def end_interrupted(self) -> int:
+        """Say that Ctrl-C ends the run, end all ranks, and return the exit status."""
+        _tell(f"{self.command}: interrupted; no file is left half-written\n")
+        if self.ranks is not None and self.ranks.are_many:
+            self.ranks.abort(INTERRUPTED)
+        return INTERRUPTED
 
 
 def run(command: str, work: Callable[[Run], None]) -> int:
@@ -111,31 +131,43 @@ def run(command: str, work: Callable[[Run], None]) -> int:
     open_missing_streams()
     current = Run(command)
     try:
-        work(current)
+        with _interrupts_noted(current):
+            work(current)
         sys.stdout.flush()
-    except KeyboardInterrupt:
-        _tell(f"{command}: interrupted; no file is left half-written\n")
-        if current.ranks is not None and current.ranks.are_many:
-            current.ranks.abort(INTERRUPTED)
-        return INTERRUPTED
-    except BrokenPipeError:
-        discard_stdout()
-        return READER_GONE
-    except (DefoError, OSError, MemoryError) as error:
-        return current.fail(_sentence(error))
-    except ImportError as error:
-        extra = next((e for e, names in _EXTRAS.items() if _library(error) in names), None)
-        if extra is None:
-            raise
-        return current.fail(
-            f"the library {_library(error)} is not installed: pip install 'fenics_defo[{extra}]'"
-        )
-    except BaseException:
+    except BaseException as error:
+        if current.interrupted or isinstance(error, KeyboardInterrupt):
+            return current.end_interrupted()
+        if isinstance(error, BrokenPipeError):
+            discard_stdout()
+            return READER_GONE
+        sentence = _sentence(error)
+        if sentence is not None:
+            return current.fail(sentence)
         if current.ranks is None or not current.ranks.are_many:
             raise
         traceback.print_exc()
         current.ranks.abort(FAILED)
     return 0
+
+
+@contextlib.contextmanager
+def _interrupts_noted(current: Run) -> Iterator[None]:
+    """Raise KeyboardInterrupt on Ctrl-C, and remember it: compilers of kernels may swallow it."""
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        current.interrupted = True
+        raise KeyboardInterrupt
+
+    before = signal.getsignal(signal.SIGINT)
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    if before is not signal.default_int_handler or not in_main_thread:
+        yield  # ignored, as under nohup, or another's business
+        return
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _tell(line: str) -> None:
@@ -144,14 +176,21 @@ def _tell(line: str) -> None:
         write_text(sys.stderr, line)
 
 
-def _sentence(error: BaseException) -> str:
-    """What a user's error says, on one line."""
+def _sentence(error: BaseException) -> str | None:
+    """What a user's error says, on one line; None for a fault of ours."""
+    if isinstance(error, DefoError):
+        return " ".join(str(error).splitlines())
     if isinstance(error, MemoryError):
         return "the memory does not suffice; use a coarser mesh, --order 1 or --solver iterative"
-    if isinstance(error, OSError) and not isinstance(error, DefoError) and error.strerror:
+    if isinstance(error, OSError):
         named = "" if error.filename is None else f"{os.fsdecode(error.filename)}: "
-        return f"{named}{error.strerror}"
-    return " ".join(str(error).splitlines())
+        return " ".join(f"{named}{error.strerror or error}".splitlines())
+    if isinstance(error, ImportError):
+        library = _library(error)
+        for extra, names in _EXTRAS.items():
+            if library in names:
+                return f"{library} is not installed: pip install 'fenics_defo[{extra}]'"
+    return None
 
 
 def _library(error: ImportError) -> str:

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from fenics_defo.errors import DefoError
 from fenics_defo.fem.compat import dolfinx
 
 _ABANDONED = 600.0  # seconds: no compilation of ours takes a tenth of it
@@ -17,13 +18,15 @@ _ABANDONED = 600.0  # seconds: no compilation of ours takes a tenth of it
 
 @contextlib.contextmanager
 def no_unfinished_kernels() -> Iterator[None]:
-    """Remove locks that were abandoned long ago, and if interrupted those of this run."""
+    """Remove locks that were abandoned long ago, and after Ctrl-C those of this run."""
     folder = Path(dolfinx.jit.get_options()["cache_dir"]).expanduser()
     begin = time.time()
     _remove_locks(folder, until=begin - _ABANDONED)
     try:
         yield
-    except KeyboardInterrupt:
+    except (DefoError, OSError):  # told after the compilations
+        raise
+    except BaseException:  # Ctrl-C, also where it ended the compiler and shows as its error
         _remove_locks(folder, since=begin)
         raise
 

@@ -30,7 +30,12 @@ def compute_and_print(options: Namespace, current: Run, progress: Progress, begi
     current.ranks = ranks = Ranks()
     if not ranks.is_first:
         progress.silence()
-    phases = Phases(on_start=progress.start, seconds={"load": time.perf_counter() - begin})
+
+    def enter(phase: str) -> None:
+        current.go_on()
+        progress.start(phase)
+
+    phases = Phases(on_start=enter, seconds={"load": time.perf_counter() - begin})
     with libraries_on_stderr(), no_unfinished_kernels():
         report = _compute(options, ranks, progress, phases)
     progress.stop()
