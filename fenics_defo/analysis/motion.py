@@ -49,14 +49,14 @@ def describe_motion(modes: Modes) -> tuple[str, ...]:
         ``"torsion"``, ``"axial"``, or ``""`` where none of them holds `KIND_SHARE` of the
         kinetic energy or the body is not slender.
     """
-    mass = modes.node_mass
-    energy = np.einsum("n,knp,knp->k", mass, modes.shapes, modes.shapes)
-    is_rigid = _rigid_share(modes, energy) >= RIGID_SHARE
+    points, shapes, mass = _massive(modes)
+    energy = np.einsum("n,knp,knp->k", mass, shapes, shapes)
+    is_rigid = _rigid_share(points, shapes, mass, energy) >= RIGID_SHARE
     is_rigid[: modes.rigid_modes] = True
-    frame = _slender_frame(modes.points, mass)
+    frame = _slender_frame(points, mass)
     if frame is None:
         return tuple("rigid" if rigid else "" for rigid in is_rigid)
-    shares = _shares(frame, modes.shapes, mass, energy)
+    shares = _shares(frame, shapes, mass, energy)
     best = np.argmax(list(shares.values()), axis=0)
     words = []
     for i, rigid in enumerate(is_rigid):
@@ -66,10 +66,18 @@ def describe_motion(modes: Modes) -> tuple[str, ...]:
         elif not shares[kind][i] >= KIND_SHARE:
             words.append("")
         elif kind == "bending":
-            words.append(kind + _direction(modes.shapes[i], mass, frame.axes[2]))
+            words.append(kind + _direction(shapes[i], mass, frame.axes[2]))
         else:
             words.append(kind)
     return tuple(words)
+
+
+def _massive(modes: Modes) -> tuple[Array, Array, Array]:
+    """Return points, shapes and masses of the nodes that have mass: others may lie anywhere."""
+    keep = modes.node_mass > 0.0
+    if keep.all():
+        return modes.points, modes.shapes, modes.node_mass
+    return modes.points[keep], modes.shapes[:, keep], modes.node_mass[keep]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,10 +106,9 @@ class _Frame:
 
 def _slender_frame(points: Array, mass: Array) -> _Frame | None:
     """Find the axis of the body, or None where there is no clear one."""
-    total = mass.sum()
-    if not total > 0.0:
+    if not mass.size:
         return None
-    offset = points - mass @ points / total
+    offset = points - mass @ points / mass.sum()
     moments, vectors = np.linalg.eigh((offset * mass[:, None]).T @ offset)
     if not moments[2] >= SLENDERNESS**2 * moments[1]:
         return None
@@ -175,17 +182,20 @@ def _explained(frame: _Frame, basis: Array, shapes: Array, mass: Array) -> Array
     return np.einsum("ki,ij,kj->k", scaled, inverse, scaled)
 
 
-def _rigid_share(modes: Modes, energy: Array) -> Array:
+def _rigid_share(points: Array, shapes: Array, mass: Array, energy: Array) -> Array:
     """Return the share of the kinetic energy that the six rigid motions explain (k,)."""
-    mass = modes.node_mass
-    offset = modes.points - mass @ modes.points / max(mass.sum(), np.finfo(float).tiny)
+    if not mass.size:
+        return np.zeros_like(energy)
+    offset = points - mass @ points / mass.sum()
+    offset = offset / max(np.abs(offset).max(), np.finfo(float).tiny)
     unit = np.eye(3)
     shifts = np.broadcast_to(unit[:, None, :], (3, *offset.shape))
     turns = np.cross(unit[:, None, :], offset[None])
-    motions = np.concatenate([shifts, turns / max(np.abs(offset).max(), np.finfo(float).tiny)])
-    flat = (motions * np.sqrt(mass)[:, None]).reshape(6, -1)
-    momenta = (modes.shapes * np.sqrt(mass)[:, None]).reshape(modes.size, -1) @ flat.T
-    inverse = np.linalg.pinv(flat @ flat.T, rcond=1e-10, hermitian=True)
+    motions = np.concatenate([shifts, turns])
+    flat = (motions * mass[:, None]).reshape(6, -1)
+    gram = flat @ motions.reshape(6, -1).T
+    momenta = shapes.reshape(len(shapes), -1) @ flat.T
+    inverse = np.linalg.pinv(gram, rcond=1e-10, hermitian=True)
     return _ratio(np.einsum("ki,ij,kj->k", momenta, inverse, momenta), energy)
 
 

@@ -18,8 +18,16 @@ def frequency_text(frequency: float) -> str:
 
 def caption(modes: Modes, index: int, motion: str = "") -> str:
     """Return for instance ``1 · 440.2 Hz · bending`` for the mode ``index`` (zero-based)."""
-    parts = [str(index + 1), f"{frequency_text(modes.frequencies[index])} Hz", motion]
+    frequency = f"{frequency_text(modes.frequencies[index])} Hz"
+    parts = [str(index + 1), "" if index < modes.rigid_modes else frequency, motion]
     return " · ".join(part for part in parts if part)
+
+
+def omissions(rigid: int, higher: int) -> str:
+    """Say what a picture leaves out: ``6 rigid modes and 1 higher mode not shown``."""
+    counts = {"rigid": rigid, "higher": higher}
+    parts = [f"{n} {kind} mode{'s' * (n > 1)}" for kind, n in counts.items() if n]
+    return f"{' and '.join(parts)} not shown" if parts else ""
 
 
 def field_names(modes: Modes) -> Sequence[str]:

@@ -2,21 +2,20 @@
 
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, BinaryIO
 
 from numpy.typing import NDArray
 
-from fenics_defo.errors import DefoError
 from fenics_defo.runtime import Modes, atomic_path
 from fenics_defo.view.captions import field_names
+from fenics_defo.view.paths import check_vtk_path
 from fenics_defo.view.vtk_legacy import write_legacy
 from fenics_defo.view.vtk_xml import write_xml
 
 _WRITERS: dict[str, Callable[..., None]] = {".vtu": write_xml, ".vtk": write_legacy}
 
-# Numbers of the cell types in VTK (vtkCellType.h).
-_VTK_CELL_TYPES = {"tetra": 10, "hexahedron": 12, "tetra10": 24, "hexahedron27": 29}
+VTK_CELL_TYPES = {"tetra": 10, "hexahedron": 12, "tetra10": 24, "hexahedron27": 29}
+"""Numbers of our cell types in VTK (vtkCellType.h)."""
 
 
 def write_modes_vtk(modes: Modes, path: str | os.PathLike[str]) -> None:
@@ -33,8 +32,7 @@ def write_modes_vtk(modes: Modes, path: str | os.PathLike[str]) -> None:
     Raises:
         DefoError: the suffix is another one, or the file cannot be written.
     """
-    writer = _WRITERS.get(vtk_suffix(path))
-    assert writer is not None
+    writer = _WRITERS[check_vtk_path(path)]
     point_data: dict[str, NDArray[Any]] = dict(zip(field_names(modes), modes.shapes, strict=True))
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         stream: BinaryIO = file
@@ -42,22 +40,7 @@ def write_modes_vtk(modes: Modes, path: str | os.PathLike[str]) -> None:
             stream,
             points=modes.points,
             cells=modes.cells,
-            vtk_cell_type=_VTK_CELL_TYPES[modes.cell_type],
+            vtk_cell_type=VTK_CELL_TYPES[modes.cell_type],
             point_data=point_data | {"node_number": modes.node_numbers},
             field_data={"frequencies_hz": modes.frequencies},
         )
-
-
-def vtk_suffix(path: str | os.PathLike[str]) -> str:
-    """Return the suffix of ``path`` if `write_modes_vtk` knows it: a check for up front.
-
-    Raises:
-        DefoError: it does not.
-    """
-    suffix = Path(path).suffix.lower()
-    if suffix not in _WRITERS:
-        raise DefoError(
-            f"{path}: the suffix {suffix!r} is not one of {', '.join(_WRITERS)}; "
-            "name the file *.vtu to open it in ParaView."
-        )
-    return suffix

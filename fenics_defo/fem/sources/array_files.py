@@ -22,7 +22,6 @@ Integers = NDArray[np.int64]
 REFERENCES = ("medit:ref", "gmsh:physical", "tetgen:ref")
 IGNORED = ("gmsh:geometrical", "vtkGhostType", "vtkOriginalCellIds", "GlobalCellIds")
 MOST_VALUES = 1000  # an integer array with more values numbers the cells and does not group them
-VOXEL = [0, 1, 3, 2, 4, 5, 7, 6]  # VTK's voxel counts its corners row by row
 LAGRANGE = {
     ("VTK_LAGRANGE_TETRAHEDRON", 4): "tetra",
     ("VTK_LAGRANGE_TETRAHEDRON", 10): "tetra10",
@@ -69,7 +68,7 @@ def read_meshio(path: Path) -> tuple[Any, list[str]]:
             mesh = meshio.read(path)
     # meshio parses without checking: a damaged file raises whatever its parser ran into.
     except (Exception, SystemExit) as error:
-        reason = " ".join(f"{said.getvalue()} {_reason(error)}".split())[:300]
+        reason = _reason(said.getvalue(), error)
         raise MeshError(
             f"{path} cannot be read as a {path.suffix.lower()} file ({reason}); it is damaged, "
             "cut off or of another kind, so write it again"
@@ -88,17 +87,17 @@ def as_points(values: Any, path: Path) -> NDArray[np.float64]:
     return points if points.shape[1] == 3 else np.pad(points, ((0, 0), (0, 1)))
 
 
-def _reason(error: BaseException) -> str:
+def _reason(said: str, error: BaseException) -> str:
+    """What meshio printed and raised, in one line without its decoration."""
     text = "" if isinstance(error, SystemExit) else str(error)
-    return text or type(error).__name__.lower()
+    line = " ".join(f"{said} {text}".split()).replace("Error: ", "").strip()
+    return line[:200] or f"its parser stops with {type(error).__name__}"
 
 
 def _in_vtk_order(cell_type: str, data: NDArray[Any]) -> tuple[str, Integers]:
     if data.ndim != 2:  # polyhedra are ragged
         return cell_type, np.zeros((len(data), 0), dtype=np.int64)
     nodes = data.astype(np.int64)
-    if cell_type == "voxel":
-        return "hexahedron", nodes[:, VOXEL]
     return LAGRANGE.get((cell_type, nodes.shape[1]), cell_type), nodes
 
 

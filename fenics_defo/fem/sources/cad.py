@@ -13,6 +13,7 @@ from fenics_defo.fem.sources.gmsh_session import (
     made_note,
     require_size,
     set_size,
+    silent_descriptors,
     tetrahedra,
 )
 from fenics_defo.fem.sources.numbering import rows_of
@@ -21,6 +22,7 @@ from fenics_defo.fem.sources.raw_mesh import RawGroup, RawMesh
 Entity = tuple[int, int]
 Parts = dict[tuple[int, str], list[Entity]]
 TRIANGLE = 2  # Gmsh's element type
+SEWN = 1e-6  # of the diagonal: gaps between the faces of a solid that are closed
 BEGINNINGS = {".step": b"ISO-10303-21", ".stp": b"ISO-10303-21"}
 
 
@@ -36,26 +38,13 @@ def fill_cad(path: Path, *, size: float | None) -> RawMesh:
     """
     _require_cad(path)
     with gmsh_session(path):
-        try:
-            gmsh.model.occ.importShapes(str(path), highestDimOnly=False)
-            gmsh.model.occ.synchronize()
-        except Exception as error:  # Gmsh's Python module raises nothing more precise
-            said = " ".join(str(error).split())[:200]
-            raise MeshError(
-                f"{path} cannot be read as a CAD file ({said}); export it again"
-            ) from None
-        volumes = gmsh.model.getEntities(3)
-        if not volumes:
-            raise MeshError(
-                f"{path} holds {len(gmsh.model.getEntities(2))} faces and no solid; "
-                "export a closed solid (in most CAD programs: make a solid from the faces)"
-            )
+        notes: list[str] = []
+        volumes = _import(path, notes)
         low, high = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
-        amount = sum(gmsh.model.occ.getMass(3, tag) for _, tag in volumes)
+        amount = sum(abs(gmsh.model.occ.getMass(3, tag)) for _, tag in volumes)
         size = require_size(
             path, size, diagonal=float(np.linalg.norm(high - low)), volume=amount, area=0.0
         )
-        notes: list[str] = []
         named = _named_parts(volumes, notes)
         set_size(size)
         gmsh.model.mesh.generate(3)
@@ -69,6 +58,32 @@ def fill_cad(path: Path, *, size: float | None) -> RawMesh:
             "they are; for SI results the geometry must be in metres."
         )
     return raw
+
+
+def _import(path: Path, notes: list[str]) -> list[Entity]:
+    """The solids of the file; faces of formats that know no solids are sewn together."""
+    try:
+        with silent_descriptors():
+            gmsh.model.occ.importShapes(str(path), highestDimOnly=False)
+            gmsh.model.occ.synchronize()
+            faces = gmsh.model.getEntities(2)
+            if faces and not gmsh.model.getEntities(3):
+                low, high = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+                gap = SEWN * float(np.linalg.norm(high - low))
+                # All shapes at once: face by face there is nothing to sew.
+                gmsh.model.occ.healShapes([], gap, sewFaces=True, makeSolids=True)
+                gmsh.model.occ.synchronize()
+                notes.append(f"the file's {len(faces)} faces were sewn together to solids.")
+    except Exception as error:  # Gmsh's Python module raises nothing more precise
+        said = " ".join(str(error).split())[:200]
+        raise MeshError(f"{path} cannot be read as a CAD file ({said}); export it again") from None
+    volumes = gmsh.model.getEntities(3)
+    if not volumes:
+        raise MeshError(
+            f"{path} holds {len(faces)} faces that bound no solid; export a closed solid "
+            "(in most CAD programs: make a solid from the faces)"
+        )
+    return volumes
 
 
 def _require_cad(path: Path) -> None:

@@ -36,9 +36,11 @@ def checked(raw: RawMesh, *, merge: float | None = None, path: Path | None = Non
     drop_unused_nodes(draft)
     require_finite(draft)
     require_distinct_nodes(draft)
+    drop_duplicate_cells(draft)
     complete_serendipity(draft)
     treat_coincident_nodes(draft, merge=merge)
-    drop_duplicate_cells(draft)
+    if merge is not None:
+        drop_duplicate_cells(draft)
     orient(draft)
     groups = settle_groups(draft)
     note_pieces(draft)
@@ -102,6 +104,7 @@ def drop_duplicate_cells(draft: Draft) -> None:
     _, first, inverse = np.unique(keys, return_index=True, return_inverse=True)
     if extra := len(keys) - len(first):
         draft.replace_cells(first[inverse])
+        draft.replace_nodes(np.arange(len(draft.points)))
         draft.notes.append(
             f"{extra} cells repeat the nodes of an earlier cell and were dropped "
             "(their groups are kept on the earlier one)."

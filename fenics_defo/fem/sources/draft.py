@@ -60,7 +60,7 @@ class Draft:
         self.node_numbers = self.node_numbers[used]
 
     def replace_cells(self, target: Integers) -> None:
-        """Let cell ``target[i]`` stand for cell i; cells that only duplicate another are dropped."""
+        """Let cell ``target[i]`` stand for cell i, and drop cells that nothing stands for."""
         kept = np.zeros(len(self.cells), dtype=bool)
         kept[target] = True
         new = np.cumsum(kept) - 1

@@ -1,5 +1,7 @@
 """A Gmsh session of our own, inside the caller's if there is one, which is left as it was."""
 
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -73,6 +75,27 @@ def gmsh_session(label: object) -> Iterator[None]:
             gmsh.option.setString("Geometry.OCCTargetUnit", unit)
         else:
             gmsh.finalize()
+
+
+@contextmanager
+def silent_descriptors() -> Iterator[None]:
+    """Send what libraries write to the process's own output and error streams to nowhere.
+
+    OpenCASCADE prints its remarks there, past Python and past Gmsh's options.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    kept = [os.dup(descriptor) for descriptor in (1, 2)]
+    try:
+        for descriptor in (1, 2):
+            os.dup2(nowhere, descriptor)
+        yield
+    finally:
+        for descriptor, saved in zip((1, 2), kept, strict=True):
+            os.dup2(saved, descriptor)
+            os.close(saved)
+        os.close(nowhere)
 
 
 def set_size(size: float) -> None:

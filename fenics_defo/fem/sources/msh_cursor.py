@@ -56,11 +56,10 @@ class MshCursor:
         return whole(self.values[self.position : end], self.what).reshape(rows, width)
 
     def _take(self, count: int, kind: str) -> NDArray:
-        if count < 0:
-            raise MeshError(f"{self.what} holds the negative count {count}; save the mesh again")
         if self.binary:
             dtype = np.dtype(kind)
             return self._bytes(count, dtype.newbyteorder() if self.swap else dtype)
+        self._require_count(count)
         end = self.position + count
         if end > len(self.values):
             raise self._short(f"{end} numbers are announced, {len(self.values)} are there")
@@ -69,12 +68,17 @@ class MshCursor:
         return taken if kind == "f8" else whole(taken, self.what)
 
     def _bytes(self, count: int, dtype: np.dtype) -> NDArray:
+        self._require_count(count)
         end = self.position + count * dtype.itemsize
         if end > len(self.body):
             raise self._short(f"{end} bytes are announced, {len(self.body)} are there")
         taken = np.frombuffer(self.body, dtype=dtype, count=count, offset=self.position)
         self.position = end
         return taken
+
+    def _require_count(self, count: int) -> None:
+        if count < 0:
+            raise MeshError(f"{self.what} holds the negative count {count}; save the mesh again")
 
     def _short(self, figures: str) -> MeshError:
         return MeshError(f"{self.what} ends too early: {figures}; save or copy the file again")

@@ -46,7 +46,7 @@ def read_msh(path: Path) -> RawMesh:
         numbers, points = msh2.read_nodes(cursor("Nodes"))
         runs = msh2.read_elements(cursor("Elements"))
     else:
-        entities = {}
+        entities: msh4.Entities = {}
         for name, partitioned in (("Entities", False), ("PartitionedEntities", True)):
             if name in sections:
                 entities |= msh4.read_entities(cursor(name), partitioned=partitioned)
@@ -141,7 +141,10 @@ def _assemble(
         raw.groups.append(RawGroup(name=name, number=number, dimension=dimension, parts=parts))
     empty = sorted(repr(name) for key, name in names.items() if key not in found)
     if empty:
-        raw.notes.append(f"no element of the file belongs to physical group {', '.join(empty)}.")
+        raw.notes.append(
+            f"no element of the file belongs to physical group {', '.join(empty)} (Gmsh loses the "
+            "groups when it saves format 2 with Mesh.SaveAll)."
+        )
     return raw
 
 

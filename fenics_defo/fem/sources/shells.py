@@ -15,6 +15,7 @@ from fenics_defo.fem.sources.numbering import row_keys
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+SAMPLE = 2e7  # pairs of point and triangle looked at when solids are tested for overlap
 WELD = 1e-7  # of the diagonal: .stl stores single precision, so equal corners may differ by this
 
 
@@ -158,16 +159,14 @@ def _solids(
     for j in range(count if count > 1 else 0):
         corners = points[triangles[shell == j]]
         low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-        near = np.flatnonzero(
-            ((seeds > low) & (seeds < high)).all(axis=1) & (np.arange(count) != j)
-        )
-        for i in near:
-            inside[i, j] = volumes[i] < volumes[j] and _winding(seeds[i], corners) > 0.5
+        near = ((seeds > low) & (seeds < high)).all(axis=1) & (volumes < volumes[j])
+        for i in np.flatnonzero(near):
+            inside[i, j] = _winding(seeds[i], corners) > 0.5
     depth = inside.sum(axis=1)
     solids = []
-    for j in np.flatnonzero(depth % 2 == 0):
-        cavities = np.flatnonzero(inside[:, j] & (depth == depth[j] + 1))
-        solids.append((int(j), *cavities.tolist()))
+    for outer in np.flatnonzero(depth % 2 == 0).tolist():
+        cavities = np.flatnonzero(inside[:, outer] & (depth == depth[outer] + 1))
+        solids.append((outer, *cavities.tolist()))
     return tuple(solids)
 
 
@@ -184,3 +183,41 @@ def _winding(seed: Floats, corners: Floats) -> float:
     bottom = la * lb * lc
     bottom += dot("ti,ti->t", a, b) * lc + dot("ti,ti->t", b, c) * la + dot("ti,ti->t", c, a) * lb
     return float(np.arctan2(top, bottom).sum() / (2.0 * np.pi))
+
+
+def overlap(surface: ClosedSurface, points: Floats) -> Floats | None:
+    """One of ``points``, all of them inside a solid, that lies in two solids at once; or None.
+
+    Looks only where the boxes of solids overlap, and at a sample of the points there.
+    """
+    outer = [solid[0] for solid in surface.solids]
+    if len(outer) < 2:
+        return None
+    shared = np.zeros(len(points), dtype=np.int64)
+    for shell in outer:
+        corners = surface.points[surface.triangles[surface.shell == shell]]
+        low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+        shared += ((points > low) & (points < high)).all(axis=1)
+    candidates = points[shared > 1]
+    sign = np.full(1 + int(surface.shell.max()), -1.0)
+    sign[outer] = 1.0
+    corners = surface.points[surface.triangles]
+    inward = sign[surface.shell] < 0.0
+    corners[inward] = corners[inward][:, ::-1]
+    sample = int(np.clip(SAMPLE / len(corners), 50, 500))
+    for point in candidates[:: 1 + len(candidates) // sample]:
+        if _winding(point, corners) > 1.5:
+            return point
+    return None
+
+
+def refine(points: Floats, triangles: Integers) -> tuple[Floats, Integers]:
+    """The same surface with each triangle cut into four at the middles of its edges."""
+    half = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    (keys,) = row_keys(half)
+    _, first, inverse = np.unique(keys, return_index=True, return_inverse=True)
+    middles = 0.5 * points[half[first]].sum(axis=1)
+    ab, bc, ca = (len(points) + inverse.reshape(-1, 3)).T
+    a, b, c = triangles.T
+    parts = np.stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca], axis=1)
+    return np.concatenate([points, middles]), parts.reshape(-1, 3)

@@ -200,3 +200,10 @@ def test_gently_curved_beam_keeps_its_names() -> None:
 def test_no_mass_or_no_motion_is_no_trouble() -> None:
     assert describe_motion(record(BEAM, kinds(BEAM), node_mass=np.zeros(len(BEAM)))) == ("",) * 7
     assert describe_motion(record(BEAM, [np.zeros_like(BEAM)])) == ("",)
+
+
+def test_nodes_without_mass_may_lie_anywhere() -> None:
+    points = np.vstack([BEAM, [[0.0, 500.0, -300.0]]])
+    shapes = [np.vstack([shape, np.ones((1, 3))]) for shape in kinds(BEAM)]
+    mass = np.append(np.full(len(BEAM), 1.0), 0.0)
+    assert describe_motion(record(points, shapes, node_mass=mass)) == WORDS

@@ -1,0 +1,48 @@
+"""Mass, centre and moments of inertia of a body, and the momenta of its rigid motions."""
+
+from dataclasses import dataclass
+
+from mpi4py import MPI
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.analysis.rigid import rigid_motions
+from fenics_defo.fem import Solid
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Inertia:
+    """How a body resists its rigid motions r (x, y, z, rx, ry, rz; rotations about the centre of
+    mass).
+
+    Args:
+        total_mass: [kg].
+        centre: (3,) centre of mass [m].
+        moments: (6,) rᵀ M r: mass thrice [kg], moments of inertia about the axes [kg m²].
+        momenta: (owned dofs, 6) M r over this rank's dofs, held ones included.
+    """
+
+    total_mass: float
+    centre: Array
+    moments: Array
+    momenta: Array
+
+
+def body_inertia(solid: Solid) -> Inertia:
+    """Integrate a body's inertia with its consistent mass; collective."""
+    assembly, comm = solid.assembly, solid.comm
+    local = solid.nodes.scatter(solid.points)
+    owned = assembly.owned
+    along_x = rigid_motions(local, np.zeros(3))[0]
+    share = assembly.momentum(along_x)[:owned, 0]
+    sums = np.append(share @ local[:owned], share.sum())
+    comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
+    total, centre = float(sums[3]), sums[:3] / sums[3]
+    motions = rigid_motions(local, centre)
+    momenta = np.stack([assembly.momentum(motion)[:owned].ravel() for motion in motions], axis=1)
+    moments = np.einsum("ij,ji->j", momenta, motions[:, :owned].reshape(6, -1))
+    comm.Allreduce(MPI.IN_PLACE, moments, op=MPI.SUM)
+    return Inertia(total, centre, moments, momenta)

@@ -1,0 +1,107 @@
+"""Order in a computed spectrum: clusters, signs, fields that a mode's motion is compared with."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def cluster_end(values: Array, count: int, *, rtol: float) -> int:
+    """Smallest end at or past ``count`` that does not cut a cluster of equal eigenvalues.
+
+    Args:
+        values: ascending λ [rad²/s²], more than ``count`` unless there are no more.
+        count: number of values wanted.
+        rtol: largest relative distance of neighbours in a cluster.
+
+    Returns:
+        number of values to keep; ``len(values)`` when the last cluster may go on.
+    """
+    end = count
+    while end < len(values) and values[end] - values[end - 1] <= rtol * abs(values[end]):
+        end += 1
+    return end
+
+
+def align_clusters(values: Array, projections: Array, *, rtol: float) -> Array:
+    """Rotation that makes vectors of equal eigenvalues unique: each takes all of one field's share.
+
+    Within a cluster any rotation solves the eigenvalue problem. Taken is the one in which the first
+    vector holds all of the first field that the cluster projects on (x, then y, ...), the second
+    none of it, and so on.
+
+    Args:
+        values: (k,) ascending λ.
+        projections: (k, p) ⟨vector, field⟩, fields in the order of their claim.
+        rtol: largest relative distance of neighbours in a cluster.
+
+    Returns:
+        (k, k) orthogonal and block diagonal; multiply the vectors by it from the right.
+    """
+    rotation = np.eye(len(values))
+    start = 0
+    while start < len(values):
+        end = cluster_end(values, start + 1, rtol=rtol)
+        if end - start > 1:
+            here = slice(start, end)
+            rotation[here, here] = _claimed(projections[here])
+        start = end
+    return rotation
+
+
+def _claimed(projections: Array) -> Array:
+    """Orthogonal columns: the parts of the fields' projections that earlier fields have not
+    taken."""
+    size = len(projections)
+    columns = np.zeros((size, 0))
+    scale = np.abs(projections).max(initial=0.0)
+    for field in (*projections.T, *np.eye(size)):
+        rest = field - columns @ (columns.T @ field)
+        rest -= columns @ (columns.T @ rest)
+        length = np.linalg.norm(rest)
+        if columns.shape[1] < size and length > 1e-3 * scale:
+            columns = np.column_stack([columns, rest / length])
+        if columns.shape[1] == size:
+            break
+        scale = min(scale, 1.0) if field.size == size and scale == 0.0 else scale
+    if columns.shape[1] < size:  # no field sees what is left: complete by unit vectors
+        full, _ = np.linalg.qr(np.column_stack([columns, np.eye(size)]))
+        signs = np.ones(size)
+        signs[: columns.shape[1]] = np.sign((full[:, : columns.shape[1]] * columns).sum(axis=0))
+        columns = full[:, :size] * signs
+    return columns
+
+
+def signs(shapes: Array) -> Array:
+    """Signs (k,) that make the largest component of each shape positive; the first of equals
+    decides.
+
+    Args:
+        shapes: (k, n, 3).
+    """
+    flat = shapes.reshape(len(shapes), -1)
+    size = np.abs(flat)
+    first = np.argmax(size >= (1.0 - 1e-6) * size.max(axis=1, keepdims=True), axis=1)
+    return np.where(flat[np.arange(len(flat)), first] < 0.0, -1.0, 1.0)
+
+
+def quadratic_fields(points: Array) -> Array:
+    """Displacement fields whose components are polynomials of degree 0 to 2 in the coordinates.
+
+    Args:
+        points: (d, 3), centred and scaled to order one.
+
+    Returns:
+        (30, d, 3): x, y, z, the three rotations, then the rest.
+    """
+    one = np.ones(len(points))
+    x, y, z = points.T
+    scalars = [one, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x]
+    fields = np.zeros((30, len(points), 3))
+    for place, scalar in enumerate(scalars):
+        for axis in range(3):
+            fields[3 * place + axis, :, axis] = scalar
+    rotations = [np.cross(np.eye(3)[axis], points) for axis in range(3)]
+    # Of each pair of shears one gives way to the rotation.
+    kept = [i for i in range(30) if i not in (3 + 1, 6 + 2, 9 + 0)]
+    return np.concatenate([fields[:3], np.array(rotations), fields[[i for i in kept if i > 2]]])

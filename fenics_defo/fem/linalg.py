@@ -1,0 +1,151 @@
+"""Direct and blocked linear algebra on PETSc matrices, with NumPy arrays in and out."""
+
+from types import TracebackType
+from typing import Self
+
+from petsc4py import PETSc
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.errors import SolverError
+from fenics_defo.fem.compat import dolfinx  # noqa: F401  (PETSc's wheel wants DOLFINx's order of loading)
+
+Array = NDArray[np.float64]
+
+#: Prefix of PETSc's options for the factorisation: ``-fenics_defo_mat_mumps_icntl_7 4`` in
+#: ``PETSC_OPTIONS`` orders by PORD instead of METIS.
+OPTIONS_PREFIX = "fenics_defo_"
+
+# MUMPS's control parameters, by their number in its users' guide.
+_ORDERING, _METIS = 7, 5
+_MORE_MEMORY = 14
+_NULL_PIVOTS = 24
+_STATUS, _STATUS_DETAIL = 1, 2
+_OUT_OF_MEMORY = (-9, -13)
+
+
+class Factorization:
+    """MUMPS's factors of a symmetric matrix; use in ``with``. Collective.
+
+    Args:
+        matrix: assembled symmetric matrix; not kept.
+        definite: promise that it is positive definite, which spares the search for pivots. Without
+            the promise the pivots' signs can be counted.
+
+    Raises:
+        SolverError: the matrix is singular, or memory ran out.
+    """
+
+    def __init__(self, matrix: PETSc.Mat, *, definite: bool) -> None:
+        # Half a symmetric matrix in 3x3 blocks: what MUMPS wants, without a search for the
+        # triangle.
+        self._matrix = matrix.convert("sbaij", PETSc.Mat())
+        self._matrix.setOption(PETSc.Mat.Option.SPD, definite)
+        self._solver = PETSc.PC().create(matrix.getComm())
+        self._solver.setOptionsPrefix(OPTIONS_PREFIX)
+        self._solver.setOperators(self._matrix)
+        self._solver.setType(PETSc.PC.Type.CHOLESKY)
+        self._solver.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        self._solver.setFactorSetUpSolverType()
+        factor = self._solver.getFactorMatrix()
+        factor.setMumpsIcntl(_ORDERING, _METIS)
+        factor.setMumpsIcntl(_MORE_MEMORY, 50)
+        factor.setMumpsIcntl(_NULL_PIVOTS, 0 if definite else 1)
+        self._solver.setFromOptions()
+        try:
+            self._solver.setUp()
+        except PETSc.Error as error:
+            self.close()
+            raise SolverError(f"MUMPS could not factorise the stiffness ({error})") from error
+        self._factor = self._solver.getFactorMatrix()
+        status = self._factor.getMumpsInfog(_STATUS)
+        if status < 0:
+            detail = self._factor.getMumpsInfog(_STATUS_DETAIL)
+            size = self._matrix.size[0]
+            self.close()
+            raise SolverError(_failure(status, detail, size))
+
+    @property
+    def negative_pivots(self) -> int:
+        """Number of negative eigenvalues of the matrix (Sylvester's law of inertia)."""
+        return int(self._factor.getInertia()[0])
+
+    def solve(self, right_sides: Array) -> Array:
+        """Solve for a block of right-hand sides at once.
+
+        Args:
+            right_sides: (owned dofs, b) in Fortran order.
+
+        Returns:
+            (owned dofs, b) in Fortran order.
+        """
+        solution = np.empty_like(right_sides, order="F")
+        given = _dense(self._matrix, right_sides)
+        found = _dense(self._matrix, solution)
+        self._factor.matSolve(given, found)
+        given.destroy()
+        found.destroy()
+        return solution
+
+    def close(self) -> None:
+        """Free the factors; collective."""
+        self._solver.destroy()
+        self._matrix.destroy()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def multiply(matrix: PETSc.Mat, block: Array) -> Array:
+    """Matrix times a block of vectors; collective.
+
+    Args:
+        matrix: square matrix.
+        block: (owned dofs, b) in Fortran order.
+
+    Returns:
+        (owned dofs, b) in Fortran order.
+    """
+    result = np.empty_like(block, order="F")
+    (rows, _), (total, _) = matrix.getLocalSize(), matrix.getSize()
+    comm = matrix.getComm()
+    for column in range(block.shape[1]):
+        x = PETSc.Vec().createWithArray(block[:, column], size=(rows, total), comm=comm)
+        y = PETSc.Vec().createWithArray(result[:, column], size=(rows, total), comm=comm)
+        matrix.mult(x, y)
+        x.destroy()
+        y.destroy()
+    return result
+
+
+def _dense(like: PETSc.Mat, block: Array) -> PETSc.Mat:
+    (rows, _), (total, _) = like.getLocalSize(), like.getSize()
+    matrix = PETSc.Mat().createDense(
+        ((rows, total), (None, block.shape[1])), array=block, comm=like.getComm()
+    )
+    matrix.assemble()
+    return matrix
+
+
+def _failure(status: int, detail: int, size: int) -> str:
+    if status in _OUT_OF_MEMORY:
+        return (
+            f"memory ran out while factorising {size} degrees of freedom (MUMPS {status}, "
+            f"{detail}); use a coarser mesh, order 1, or the iterative solver (--solver iterative)"
+        )
+    if status == -10:
+        return (
+            f"the stiffness of {size} degrees of freedom is singular (MUMPS -10, {detail}): a part "
+            "of the body can move without resistance; hold it, or check the mesh for parts that "
+            "share no nodes"
+        )
+    return f"MUMPS could not factorise {size} degrees of freedom (error {status}, {detail})"

@@ -1,0 +1,130 @@
+"""Conjugate gradients with algebraic multigrid: a solver whose memory grows with the mesh only."""
+
+from types import TracebackType
+from typing import Self
+
+from petsc4py import PETSc
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.errors import SolverError
+from fenics_defo.fem.linalg import OPTIONS_PREFIX
+
+Array = NDArray[np.float64]
+
+
+class MultigridSolver:
+    """CG preconditioned by PETSc's GAMG, which is told the rigid motions. Collective; use in
+    ``with``.
+
+    References: Vanek, Mandel and Brezina, Computing 56 (1996) 179-196 (smoothed aggregation for
+        elasticity).
+
+    Args:
+        matrix: positive definite matrix in 3x3 blocks; not kept.
+        near_kernel: (owned dofs, 6) rigid motions, zero at held components.
+        free: (owned dofs,) bool, components that are not held.
+        rtol: relative residual at which the iteration stops.
+        iterations: largest number of iterations for one right-hand side.
+    """
+
+    def __init__(
+        self,
+        matrix: PETSc.Mat,
+        near_kernel: Array,
+        free: NDArray[np.bool_],
+        *,
+        rtol: float,
+        iterations: int = 1000,
+    ) -> None:
+        self._matrix = matrix.convert("aij", PETSc.Mat())
+        self._matrix.setBlockSize(3)
+        self._scale_held_rows(free)
+        self._matrix.setOption(PETSc.Mat.Option.SPD, True)
+        vectors = _orthonormal([self._vector(column) for column in near_kernel.T])
+        kernel = PETSc.NullSpace().create(vectors=vectors, comm=matrix.getComm())
+        self._matrix.setNearNullSpace(kernel)
+        kernel.destroy()
+        for vector in vectors:
+            vector.destroy()
+        self._solver = PETSc.KSP().create(matrix.getComm())
+        self._solver.setOptionsPrefix(OPTIONS_PREFIX)
+        self._solver.setOperators(self._matrix)
+        self._solver.setType(PETSc.KSP.Type.CG)
+        self._solver.getPC().setType(PETSc.PC.Type.GAMG)
+        self._solver.setTolerances(rtol=rtol, atol=0.0, max_it=iterations)
+        self._solver.setFromOptions()
+        self._solver.setUp()
+        self.iterations = 0
+
+    def solve(self, right_sides: Array) -> Array:
+        """Solve for a block of right-hand sides (owned dofs, b), in Fortran order.
+
+        Raises:
+            SolverError: the iteration did not converge.
+        """
+        solution = np.empty_like(right_sides, order="F")
+        b, x = self._matrix.createVecLeft(), self._matrix.createVecRight()
+        for column in range(right_sides.shape[1]):
+            b.array[:] = right_sides[:, column]
+            self._solver.solve(b, x)
+            self.iterations += self._solver.getIterationNumber()
+            if self._solver.getConvergedReason() <= 0:
+                raise SolverError(
+                    f"conjugate gradients did not converge in {self._solver.getIterationNumber()} iterations; "
+                    "use the direct solver (--solver lanczos, solver='lanczos'), or improve the mesh's slivers"
+                )
+            solution[:, column] = x.array
+        b.destroy()
+        x.destroy()
+        return solution
+
+    def _scale_held_rows(self, free: NDArray[np.bool_]) -> None:
+        """Give held rows the size of the others: a tiny diagonal misleads the smoothers."""
+        diagonal = self._matrix.getDiagonal()
+        values = diagonal.array.copy()
+        total = self._matrix.getComm().tompi4py().allreduce(values[free].sum())
+        count = self._matrix.getComm().tompi4py().allreduce(int(free.sum()))
+        values[~free] = total / count
+        diagonal.array[:] = values
+        self._matrix.setDiagonal(diagonal)
+        diagonal.destroy()
+
+    def _vector(self, values: Array) -> PETSc.Vec:
+        vector = self._matrix.createVecRight()
+        vector.array[:] = values
+        return vector
+
+    def close(self) -> None:
+        """Free the solver; collective."""
+        self._solver.destroy()
+        self._matrix.destroy()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def _orthonormal(vectors: list[PETSc.Vec]) -> list[PETSc.Vec]:
+    """Orthonormalise in place; those that depend on the others are destroyed and left out."""
+    kept: list[PETSc.Vec] = []
+    for vector in vectors:
+        before = vector.norm()
+        for _ in range(2):
+            for other in kept:
+                vector.axpy(-vector.dot(other), other)
+        length = vector.norm()
+        if before > 0.0 and length > 1e-8 * before:
+            vector.scale(1.0 / length)
+            kept.append(vector)
+        else:
+            vector.destroy()
+    return kept
