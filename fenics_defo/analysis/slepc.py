@@ -1,7 +1,7 @@
 """Lowest eigenpairs by SLEPc's Krylov-Schur iteration with MUMPS's factors."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 from petsc4py import PETSc
 from slepc4py import SLEPc
@@ -9,15 +9,24 @@ from slepc4py import SLEPc
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.analysis.deflation import FreeBody
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.phases import Phases
-from fenics_defo.errors import EigenSolveError
+from fenics_defo.analysis.stability import not_stable
+from fenics_defo.errors import EigenSolveError, SolverError
 from fenics_defo.fem.linalg import OPTIONS_PREFIX
 
 Array = NDArray[np.float64]
 
 
-def krylov_schur(problem: EigenProblem, count: int, *, tolerance: float, phases: Phases) -> Pairs:
+def krylov_schur(
+    problem: EigenProblem,
+    count: int,
+    *,
+    tolerance: float,
+    phases: Phases,
+    free: FreeBody | None = None,
+) -> Pairs:
     """Pairs by SLEPc's Krylov-Schur iteration, shift-and-invert, factors by MUMPS.
 
     Args:
@@ -25,46 +34,82 @@ def krylov_schur(problem: EigenProblem, count: int, *, tolerance: float, phases:
         count: number of pairs.
         tolerance: SLEPc's tolerance of the shifted and inverted problem.
         phases: stopwatch.
+        free: strainless motions to leave out, if the body has some.
 
     Returns:
         at least ``count`` pairs.
 
     Raises:
-        EigenSolveError: fewer converged.
+        SolverError: the matrix could not be factorised.
+        EigenSolveError: fewer converged, or eigenvalues lie below the shift.
     """
-    with _scalar(problem) as (stiffness, mass), _solver(problem) as eps:
+    space = problem.independent if free is None else free.elastic
+    with _operators(problem, free) as (stiffness, mass), _solver(problem) as eps:
         stiffness.setOption(PETSc.Mat.Option.SPD, problem.definite)
         eps.setOperators(stiffness, mass)
         eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
-        basis = min(max(2 * count, count + 15), problem.independent)
-        eps.setDimensions(count, basis)
+        # SLEPc wants a basis larger than what is asked for, even where that is the whole space.
+        eps.setDimensions(count, max(min(max(2 * count, count + 15), space), count + 1))
         eps.setTolerances(tolerance, 200)
         eps.setTarget(problem.shift)
         eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-        transform = eps.getST()
-        transform.setType(SLEPc.ST.Type.SINVERT)
-        transform.setShift(problem.shift)
-        transform.setMatStructure(PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        linear = transform.getKSP()
-        linear.setType(PETSc.KSP.Type.PREONLY)
-        factors = linear.getPC()
-        factors.setType(PETSc.PC.Type.CHOLESKY)
-        factors.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        factors = _factors(eps, problem.shift)
+        if free is not None:
+            with _vectors(problem, free.motions) as motions:
+                eps.setDeflationSpace(motions)
         with phases("factorise"):
-            eps.setUp()
+            try:
+                eps.setUp()
+            except (PETSc.Error, SystemError) as error:
+                raise SolverError(
+                    f"SLEPc could not prepare {count} of {space} modes ({error}); use "
+                    "the direct solver (--solver lanczos, solver='lanczos')"
+                ) from error
+        negative = 0 if problem.definite else factors.getFactorMatrix().getInertia()[0]
+        if negative:
+            raise not_stable(negative)
         with phases("solve"):
             eps.solve()
-        return _pairs(problem, eps, count)
+            return _pairs(problem, eps, count, free)
+
+
+def _factors(eps: SLEPc.EPS, shift: float) -> PETSc.PC:
+    transform = eps.getST()
+    transform.setType(SLEPc.ST.Type.SINVERT)
+    transform.setShift(shift)
+    transform.setMatStructure(PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    linear = transform.getKSP()
+    linear.setType(PETSc.KSP.Type.PREONLY)
+    factors = linear.getPC()
+    factors.setType(PETSc.PC.Type.CHOLESKY)
+    factors.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+    return factors
 
 
 @contextmanager
-def _scalar(problem: EigenProblem) -> Iterator[tuple[PETSc.Mat, PETSc.Mat]]:
-    halves = [m.convert("aij", PETSc.Mat()) for m in (problem.stiffness, problem.mass)]
+def _operators(
+    problem: EigenProblem, free: FreeBody | None
+) -> Iterator[tuple[PETSc.Mat, PETSc.Mat]]:
+    """The two matrices in the scalar format that SLEPc can add; K + S for a free body."""
+    with ExitStack() as stack:
+        whole = problem.stiffness if free is None else stack.enter_context(free.supported())
+        stiffness = whole.convert("aij", PETSc.Mat())
+        stack.callback(stiffness.destroy)
+        mass = problem.mass.convert("aij", PETSc.Mat())
+        stack.callback(mass.destroy)
+        yield stiffness, mass
+
+
+@contextmanager
+def _vectors(problem: EigenProblem, columns: Array) -> Iterator[list[PETSc.Vec]]:
+    vectors = [problem.stiffness.createVecRight() for _ in range(columns.shape[1])]
     try:
-        yield halves[0], halves[1]
+        for vector, column in zip(vectors, columns.T, strict=True):
+            vector.array[:] = column
+        yield vectors
     finally:
-        for matrix in halves:
-            matrix.destroy()
+        for vector in vectors:
+            vector.destroy()
 
 
 @contextmanager
@@ -78,19 +123,18 @@ def _solver(problem: EigenProblem) -> Iterator[SLEPc.EPS]:
         eps.destroy()
 
 
-def _pairs(problem: EigenProblem, eps: SLEPc.EPS, count: int) -> Pairs:
+def _pairs(problem: EigenProblem, eps: SLEPc.EPS, count: int, free: FreeBody | None) -> Pairs:
     found = eps.getConverged()
     if found < count:
         raise EigenSolveError(
             f"SLEPc found {found} of {count} modes in {eps.getIterationNumber()} iterations; "
             "ask for fewer modes, or use the direct solver (--solver lanczos, solver='lanczos')"
         )
-    values = np.array([eps.getEigenvalue(i).real for i in range(found)])
-    order = np.argsort(values)
     vectors = np.empty((len(problem.free), found), order="F")
     vector = problem.stiffness.createVecRight()
-    for place, index in enumerate(order):
-        eps.getEigenvector(int(index), vector)
+    for place in range(found):
+        eps.getEigenvector(place, vector)
         vectors[:, place] = vector.array
     vector.destroy()
-    return Pairs(values[order], vectors)
+    vectors[~problem.free] = 0.0
+    return problem.ritz(vectors if free is None else free.deflated(vectors))
