@@ -7,14 +7,15 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.analysis.checks import CheckedVectors, checked_vectors
 from fenics_defo.analysis.deflation import FreeBody, orthonormal_in_mass
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.inertia import Inertia, body_inertia
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.rigid import strainless_motions, supports
 from fenics_defo.analysis.search import Search, Solver
-from fenics_defo.analysis.spectrum import align_clusters, quadratic_fields, signs
-from fenics_defo.errors import DefoError, EigenSolveError
+from fenics_defo.analysis.spectrum import quadratic_fields, signs
+from fenics_defo.errors import DefoError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.linalg import multiply
 from fenics_defo.runtime import Modes
@@ -22,9 +23,6 @@ from fenics_defo.runtime import Modes
 Array = NDArray[np.float64]
 # The shift of a deformed body that is free to move, as a part of the first elastic λ's estimate.
 _SHIFT = 0.05
-# λ closer than this, or than a few times their residuals, are one eigenvalue, whose vectors may be
-# rotated among each other.
-_SAME = 1e-9
 
 
 def linear_modes(
@@ -35,7 +33,7 @@ def linear_modes(
     solver: Solver = "lanczos",
     keep_rigid: bool = True,
     verify: bool = True,
-    residual_tolerance: float = 1e-6,
+    residual_tolerance: float | None = None,
     cluster_tolerance: float = 1e-4,
     seed: int = 0,
     phases: Phases | None = None,
@@ -59,7 +57,9 @@ def linear_modes(
         keep_rigid: keep the rigid modes of a free body, as the first of the list.
         verify: prove by an inertia count of K - σ M above the last mode that none is missing; one
             more factorisation. Not with the iterative solver.
-        residual_tolerance: largest accepted relative residual ‖Kφ - ω²Mφ‖ / ‖ω²Mφ‖ of a mode [-].
+        residual_tolerance: largest accepted relative residual ‖Kφ - ω²Mφ‖ / ‖ω²Mφ‖ of a mode [-];
+            if not given, 1e-6, or thirty times the round-off of Kφ where that is more, which long
+            thin bodies on fine meshes need, and 1e-2 at most.
         cluster_tolerance: relative distance of frequencies that count as equal [-].
         seed: of the random start vectors.
         phases: stopwatch for "assemble", "factorise", "solve", "count".
@@ -74,7 +74,7 @@ def linear_modes(
         SolverError: the stiffness could not be factorised.
     """
     phases = phases or Phases()
-    _check(solid, displacement, solver, residual_tolerance, cluster_tolerance, seed)
+    _check_arguments(solid, displacement, solver, residual_tolerance, cluster_tolerance, seed)
     with ExitStack() as stack:
         with phases("assemble"):
             motions = _strainless(solid, displacement)
@@ -100,23 +100,24 @@ def linear_modes(
             phases=phases,
         )
         pairs, complete = search.run(verify=verify and solver != "iterative")
-        modes = _modes(body, pairs, complete=complete, residual_tolerance=residual_tolerance)
+        checked = _checked(body, pairs, residual_tolerance, 2.0 * cluster_tolerance)
+        modes = _modes(body, pairs.values, checked, complete=complete)
     if keep_rigid:
         return modes
     return replace(modes.select(slice(modes.rigid_modes, None)), complete=complete)
 
 
-def _check(
+def _check_arguments(
     solid: Solid,
     displacement: Array | None,
     solver: str,
-    residual_tolerance: float,
+    residual_tolerance: float | None,
     cluster_tolerance: float,
     seed: int,
 ) -> None:
     if solver not in get_args(Solver):
         raise DefoError(f"solver must be one of {', '.join(get_args(Solver))}, got {solver!r}")
-    if not residual_tolerance > 0.0:
+    if residual_tolerance is not None and not residual_tolerance > 0.0:
         raise DefoError(f"residual_tolerance must be positive, got {residual_tolerance!r}")
     if not 0.0 <= cluster_tolerance < 0.1:
         raise DefoError(f"cluster_tolerance must be from 0 to 0.1, got {cluster_tolerance!r}")
@@ -146,7 +147,7 @@ class _Body:
         problem: its matrices and shift.
         free: its strainless motions, if it has some and is at rest.
         inertia: its masses.
-        scale: estimate of the first elastic λ, from above [rad²/s²].
+        scale: about a deformed state, estimate of the first elastic λ, from above [rad²/s²].
         fields: (owned dofs, 30) polynomial displacements, zero at held components.
     """
 
@@ -177,7 +178,8 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
     )
     points = solid.points if displacement is None else solid.points + displacement
     fields = _polynomials(solid, points) * free[:, None]
-    scale = _first_elastic(problem, fields, len(motions))
+    # About a deformed state only: at rest the strainless motions are known, and left out.
+    scale = 0.0 if rest else _first_elastic(problem, fields, len(motions))
     if len(motions) and not rest:
         problem = replace(problem, shift=-_SHIFT * scale)
     released = _free_body(solid, problem, motions) if len(motions) and rest else None
@@ -197,7 +199,12 @@ def _free_body(solid: Solid, problem: EigenProblem, motions: Array) -> FreeBody:
     springs = supports(motions, ~solid.held & solid.nodes.carried[:, None])
     local = [solid.nodes.scatter(field)[:owned].ravel() for field in motions]
     kernel, momenta = orthonormal_in_mass(problem, np.stack(local, axis=1))
-    return FreeBody(problem, kernel, momenta, solid.nodes.scatter(springs)[:owned].ravel())
+    return FreeBody(
+        problem,
+        kernel,
+        momenta,
+        solid.nodes.scatter(springs.astype(np.float64))[:owned].ravel() > 0.0,
+    )
 
 
 def _first_elastic(problem: EigenProblem, fields: Array, rigid: int) -> float:
@@ -212,69 +219,47 @@ def _first_elastic(problem: EigenProblem, fields: Array, rigid: int) -> float:
     return float(ritz[min(rigid, len(ritz) - 1)])
 
 
-def _modes(body: _Body, pairs: Pairs, *, complete: bool, residual_tolerance: float) -> Modes:
-    """The user's record of the pairs, after the checks that it must stand."""
+def _modes(body: _Body, values: Array, checked: CheckedVectors, *, complete: bool) -> Modes:
+    """The user's record of pairs that have stood the checks."""
     solid, problem, inertia = body.solid, body.problem, body.inertia
-    residuals = _residuals(body, pairs)
-    pairs = _aligned(body, pairs, residuals)
-    residuals = _residuals(body, pairs)
-    _check_pairs(body, pairs, residuals, residual_tolerance)
-    rigid = int(np.count_nonzero(pairs.values == 0.0))
-    local = pairs.vectors.reshape(-1, 3, pairs.vectors.shape[1])
+    local = checked.vectors.reshape(-1, 3, len(values))
     shapes = np.ascontiguousarray(np.moveaxis(solid.nodes.gather(local), 2, 0))
     sign = signs(shapes)
     numbers = np.zeros(solid.nodes.size, np.int64)
     numbers[: len(solid.record.node_numbers)] = solid.record.node_numbers
     return Modes(
-        frequencies=np.sqrt(pairs.values) / (2.0 * np.pi),
+        frequencies=np.sqrt(values) / (2.0 * np.pi),
         shapes=shapes * sign[:, None, None],
         points=solid.points,
         cells=solid.cells,
         cell_type=solid.nodes.cell_type,
         node_numbers=numbers,
         node_mass=solid.lumped_mass(),
-        residuals=residuals,
-        rigid_modes=rigid,
+        residuals=checked.residuals,
+        rigid_modes=int(np.count_nonzero(values == 0.0)),
         complete=complete,
-        participation=problem.products(pairs.vectors, inertia.momenta) * sign[:, None],
+        participation=problem.products(checked.vectors, inertia.momenta) * sign[:, None],
         total_mass=inertia.total_mass,
         centre=inertia.centre,
         inertia=inertia.moments,
     )
 
 
-def _aligned(body: _Body, pairs: Pairs, residuals: Array) -> Pairs:
-    """The same pairs with vectors of equal λ made unique."""
-    problem, fields = body.problem, body.fields
-    inertia = multiply(problem.mass, fields)
-    norms = np.sqrt(np.diag(problem.products(fields, inertia)))
+def _checked(
+    body: _Body, pairs: Pairs, tolerance: float | None, cluster_rtol: float
+) -> CheckedVectors:
+    solid, problem, fields = body.solid, body.problem, body.fields
+    masses = solid.nodes.scatter(solid.lumped_mass())[: solid.assembly.owned]
+    norms = problem.norms(fields * np.sqrt(np.repeat(masses, 3))[:, None])
     seen = norms > 0.0
-    projections = problem.products(pairs.vectors, inertia)[:, seen] / norms[seen]
-    # Vectors whose λ differ by less than their residuals are mixed by round-off anyway.
-    rtol = np.maximum(_SAME, 4.0 * np.maximum(residuals, np.roll(residuals, 1)))
-    rotation = align_clusters(pairs.values, projections, rtol=rtol)
-    return Pairs(pairs.values, np.asfortranarray(pairs.vectors @ rotation))
-
-
-def _residuals(body: _Body, pairs: Pairs) -> Array:
     elastic = pairs.values[pairs.values > 0.0]
-    return body.problem.residuals(pairs, float(elastic[0]) if elastic.size else body.scale)
-
-
-def _check_pairs(body: _Body, pairs: Pairs, residuals: Array, tolerance: float) -> None:
-    """Raise EigenSolveError for pairs that are not accurate."""
-    problem = body.problem
-    if not (residuals <= tolerance).all():
-        worst = int(np.argmax(np.nan_to_num(residuals, nan=np.inf)))
-        raise EigenSolveError(
-            f"mode {worst + 1} has the relative residual {residuals[worst]:.1e}, and "
-            f"{tolerance:.1e} is allowed; the mesh may hold slivers or materials of too different "
-            "stiffness; improve it, or allow a larger residual_tolerance"
-        )
-    gram = problem.products(pairs.vectors, multiply(problem.mass, pairs.vectors))
-    worst_product = float(np.abs(gram - np.eye(len(gram))).max())
-    if not worst_product <= 1e-8:
-        raise EigenSolveError(
-            f"the modes are orthonormal to {worst_product:.1e} only, 1e-8 is allowed; "
-            "improve the mesh, or use another solver"
-        )
+    return checked_vectors(
+        problem,
+        pairs,
+        fields=fields[:, seen] / norms[seen],
+        floor=float(elastic[0])
+        if elastic.size
+        else _first_elastic(problem, fields, len(pairs.values)),
+        tolerance=tolerance,
+        cluster_rtol=cluster_rtol,
+    )

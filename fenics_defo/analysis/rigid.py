@@ -1,12 +1,16 @@
 """Motions of a body that strain no cell: rigid motions of its parts, and what hinges allow."""
 
+import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, sparse
 from scipy.sparse import csgraph
+
+_log = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -125,10 +129,14 @@ def _groups(number: int, members: tuple[Ints, Ints]) -> Iterator[_Group]:
     count, of_block = csgraph.connected_components(links, directed=False)
     order = np.argsort(of_block[block], kind="stable")
     starts = np.searchsorted(of_block[block][order], np.arange(count + 1))
-    for start, stop in zip(starts[:-1], starts[1:], strict=True):
+    for start, stop in pairwise(starts):
         here = order[start:stop]
         names, own = np.unique(block[here], return_inverse=True)
         size = len(names)
+        if size > 1:
+            _log.warning(
+                "%d blocks of cells hang together by single nodes or edges only, as by hinges", size
+            )
         if size > _BLOCKS:  # too many for a dense null space: as if it were one solid part
             size, own = 1, np.zeros(len(here), np.int64)
         yield _Group(size, own.reshape(-1).astype(np.int64), node[here])
@@ -155,7 +163,7 @@ def _null_space(group: _Group, points: Array, held: NDArray[np.bool_]) -> Array:
 
 def _joints(group: _Group, motions: Array) -> Array:
     """Rows (3 j, 6 size): at a shared node two blocks move alike."""
-    second = np.flatnonzero((group.node[1:] == group.node[:-1])) + 1
+    second = np.flatnonzero(group.node[1:] == group.node[:-1]) + 1
     second = second[group.block[second] != group.block[second - 1]]
     rows = np.zeros((len(second), 3, group.size, 6))
     joint = np.arange(len(second))
@@ -166,7 +174,7 @@ def _joints(group: _Group, motions: Array) -> Array:
 
 def _holds(group: _Group, motions: Array, held: NDArray[np.bool_]) -> Array:
     """Rows (h, 6 size): a held component does not move."""
-    first = np.append(True, group.node[1:] != group.node[:-1])
+    first = np.concatenate([[True], group.node[1:] != group.node[:-1]])
     place, component = np.nonzero(held[group.node] & first[:, None])
     rows = np.zeros((len(place), group.size, 6))
     rows[np.arange(len(place)), group.block[place]] = motions[:, place, component].T

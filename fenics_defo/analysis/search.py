@@ -62,7 +62,7 @@ class Search:
     phases: Phases
 
     def run(self, *, verify: bool) -> tuple[Pairs, bool]:
-        """Pairs, λ of motions without stiffness exactly 0, and whether a count proved them complete.
+        """Pairs, λ of strainless motions exactly 0, and whether a count proved them complete.
 
         Raises:
             EigenSolveError: the count never agreed with the pairs found, or λ < 0.

@@ -1,5 +1,7 @@
 """Order in a computed spectrum: clusters, signs, fields that a mode's motion is compared with."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,7 +49,7 @@ def align_clusters(values: Array, projections: Array, *, rtol: Array) -> Array:
     rotation = np.eye(len(values))
     joined = np.diff(values) <= rtol[1:] * np.abs(values[1:])
     bounds = np.flatnonzero(np.concatenate([[True], ~joined, [True]]))
-    for start, end in zip(bounds[:-1], bounds[1:], strict=True):
+    for start, end in pairwise(bounds):
         if end - start > 1:
             here = slice(start, end)
             rotation[here, here] = _claimed(projections[here])
@@ -55,7 +57,7 @@ def align_clusters(values: Array, projections: Array, *, rtol: Array) -> Array:
 
 
 def _claimed(projections: Array) -> Array:
-    """Orthogonal columns (k, k): the parts of the projections that earlier fields have not taken."""
+    """Orthogonal (k, k): of each field's projection the part that earlier ones have not taken."""
     size = len(projections)
     scale = np.abs(projections).max(initial=0.0)
     if not scale > _UNSEEN:

@@ -13,10 +13,14 @@ from fenics_defo.fem.linalg import OPTIONS_PREFIX
 
 Array = NDArray[np.float64]
 
+_INDEFINITE = (
+    PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_MAT,
+    PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_PC,
+)
+
 
 class MultigridSolver:
-    """CG preconditioned by PETSc's GAMG, which is told the rigid motions. Collective; use in
-    ``with``.
+    """CG with PETSc's GAMG, which knows the rigid motions. Collective; use in ``with``.
 
     References: Vanek, Mandel and Brezina, Computing 56 (1996) 179-196 (smoothed aggregation for
         elasticity).
@@ -70,15 +74,25 @@ class MultigridSolver:
             b.array[:] = right_sides[:, column]
             self._solver.solve(b, x)
             self.iterations += self._solver.getIterationNumber()
-            if self._solver.getConvergedReason() <= 0:
-                raise SolverError(
-                    f"conjugate gradients did not converge in {self._solver.getIterationNumber()} iterations; "
-                    "use the direct solver (--solver lanczos, solver='lanczos'), or improve the mesh's slivers"
-                )
+            self._check_converged()
             solution[:, column] = x.array
         b.destroy()
         x.destroy()
         return solution
+
+    def _check_converged(self) -> None:
+        reason, steps = self._solver.getConvergedReason(), self._solver.getIterationNumber()
+        if reason in _INDEFINITE:
+            raise SolverError(
+                "conjugate gradients met a matrix that is not positive definite: the given "
+                "displacement is not a stable state, or a part of the body hardly hangs on; "
+                "the direct solver tells more (--solver lanczos, solver='lanczos')"
+            )
+        if reason <= 0:
+            raise SolverError(
+                f"conjugate gradients did not converge in {steps} iterations; use the direct "
+                "solver (--solver lanczos, solver='lanczos'), or improve the mesh's slivers"
+            )
 
     def _scale_held_rows(self, free: NDArray[np.bool_]) -> None:
         """Give held rows the size of the others: a tiny diagonal misleads the smoothers."""
