@@ -122,6 +122,7 @@ def _check_residuals(residuals: Array, round_off: Array, tolerance: float | None
         )
     if tolerance is None and not (residuals <= _RESIDUAL).all():
         _log.warning(
-            "round-off limits the residuals to %.1e: the body is very thin for its length and mesh",
+            "round-off limits the residuals to %.1e: the body is very thin for its length, "
+            "or its stiffness very uneven",
             float(residuals.max()),
         )

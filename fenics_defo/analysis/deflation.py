@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from fenics_defo.analysis.eigenpairs import BLOCK, EigenProblem, Pairs
 from fenics_defo.analysis.lanczos import block_lanczos
 from fenics_defo.analysis.phases import Phases
+from fenics_defo.analysis.stability import not_stable
 from fenics_defo.fem.linalg import Factorization, multiply
 from fenics_defo.fem.multigrid import MultigridSolver
 
@@ -33,7 +34,7 @@ class FreeBody:
     """The eigenvalue problem of a body with strainless motions.
 
     Args:
-        problem: its matrices at rest, shift 0.
+        problem: its matrices, shift 0.
         motions: R (owned dofs, k) in Fortran order, orthonormal in M.
         momenta: M R (owned dofs, k).
         supports: (owned dofs,) bool, where the springs are.
@@ -82,11 +83,13 @@ class FreeBody:
 
         Raises:
             SolverError: no memory.
-            EigenSolveError: they did not converge.
+            EigenSolveError: they did not converge, or the state is not stable.
         """
         with phases("factorise"), self.supported() as matrix:
-            factors = Factorization(matrix, definite=True)
+            factors = Factorization(matrix, definite=self.problem.definite)
         with factors, phases("solve"):
+            if not self.problem.definite and factors.negative_pivots:
+                raise not_stable(factors.negative_pivots)
             return self._block_lanczos(factors, count, tolerance=tolerance, seed=seed)
 
     def multigrid_lanczos(

@@ -21,8 +21,10 @@ from fenics_defo.fem.linalg import multiply
 from fenics_defo.runtime import Modes
 
 Array = NDArray[np.float64]
-# The shift of a deformed body that is free to move, as a part of the first elastic λ's estimate.
+# The shift of a loaded body that is free to move, as a part of the first elastic λ's estimate.
 _SHIFT = 0.05
+# Residuals that inner solves of 1e-11 leave where the stiffness is uneven or nearly incompressible.
+_ITERATIVE_RESIDUAL = 1e-4
 
 
 def linear_modes(
@@ -41,8 +43,9 @@ def linear_modes(
     """Lowest undamped vibration modes about the rest shape, or about a stable deformed state.
 
     Solves K φ = ω² M φ with K the tangent stiffness and M the consistent mass; held components are
-    eliminated (their eigenvalues lie at infinity). A body with free rigid motions is solved about a
-    small negative shift. Collective on ``solid.comm``; the same result on each rank.
+    eliminated (their eigenvalues lie at infinity). Motions that strain nothing, rigid ones and
+    those about hinges, are known from the mesh and left out of the search. Collective on
+    ``solid.comm``; the same result on each rank.
 
     Args:
         solid: body.
@@ -58,8 +61,8 @@ def linear_modes(
         verify: prove by an inertia count of K - σ M above the last mode that none is missing; one
             more factorisation. Not with the iterative solver.
         residual_tolerance: largest accepted relative residual ‖Kφ - ω²Mφ‖ / ‖ω²Mφ‖ of a mode [-];
-            if not given, 1e-6, or thirty times the round-off of Kφ where that is more, which long
-            thin bodies on fine meshes need, and 1e-2 at most.
+            if not given, 1e-4 for the iterative solver, else 1e-6, or thirty times the round-off
+            of Kφ where that is more (long thin bodies on fine meshes), 1e-2 at most.
         cluster_tolerance: relative distance of frequencies that count as equal [-].
         seed: of the random start vectors.
         phases: stopwatch for "assemble", "factorise", "solve", "count".
@@ -100,7 +103,10 @@ def linear_modes(
             phases=phases,
         )
         pairs, complete = search.run(verify=verify and solver != "iterative")
-        checked = _checked(body, pairs, residual_tolerance, 2.0 * cluster_tolerance)
+        tolerance = residual_tolerance
+        if tolerance is None and solver == "iterative":
+            tolerance = _ITERATIVE_RESIDUAL
+        checked = _checked(body, pairs, tolerance, 2.0 * cluster_tolerance)
         modes = _modes(body, pairs.values, checked, complete=complete)
     if keep_rigid:
         return modes
@@ -145,7 +151,7 @@ class _Body:
     Args:
         solid: the body.
         problem: its matrices and shift.
-        free: its strainless motions, if it has some and is at rest.
+        free: its strainless motions, if it has some.
         inertia: its masses.
         scale: about a deformed state, estimate of the first elastic λ, from above [rad²/s²].
         fields: (owned dofs, 30) polynomial displacements, zero at held components.
@@ -178,12 +184,26 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
     )
     points = solid.points if displacement is None else solid.points + displacement
     fields = _polynomials(solid, points) * free[:, None]
-    # About a deformed state only: at rest the strainless motions are known, and left out.
-    scale = 0.0 if rest else _first_elastic(problem, fields, len(motions))
-    if len(motions) and not rest:
-        problem = replace(problem, shift=-_SHIFT * scale)
-    released = _free_body(solid, problem, motions) if len(motions) and rest else None
+    released = _free_body(solid, problem, motions) if len(motions) else None
+    scale = 0.0
+    if displacement is not None:
+        scale = _first_elastic(problem, fields, len(motions))
+        if released is not None and not _strains_nothing(released, solid, displacement):
+            # Loads that keep their direction give the motions a stiffness, as to a pendulum.
+            released, problem = None, replace(problem, shift=-_SHIFT * scale)
     return _Body(solid, problem, released, body_inertia(solid), scale, fields)
+
+
+def _strains_nothing(free: FreeBody, solid: Solid, displacement: Array) -> bool:
+    """Whether the motions are without stiffness but for round-off, that of F = I + ∇u included."""
+    problem, size = free.problem, float(np.ptp(solid.points, axis=0).max())
+    cell = size / len(solid.cells) ** (1.0 / 3.0)
+    digits = 1.0 + (size + float(np.abs(displacement).max())) / cell
+    diagonal = problem.stiffness.getDiagonal()
+    terms = problem.norms(diagonal.array[:, None] * free.motions)
+    diagonal.destroy()
+    forces = problem.norms(multiply(problem.stiffness, free.motions))
+    return bool((forces <= 100.0 * digits * np.finfo(float).eps * terms).all())
 
 
 def _polynomials(solid: Solid, points: Array) -> Array:

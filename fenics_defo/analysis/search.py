@@ -37,7 +37,7 @@ class Search:
 
     Args:
         problem: matrices and shift.
-        free: the strainless motions, if the body has some and is at rest.
+        free: the strainless motions, if the body has some.
         near_kernel: (owned dofs, 6) rigid motions of the whole, zero at held components.
         scale: estimate of the first elastic λ about a deformed state [rad²/s²].
         strainless: number of λ that are expected to be zero.
@@ -124,12 +124,20 @@ class Search:
             case "lanczos":
                 return source.lanczos(count, tolerance=_TOLERANCE, seed=seed, phases=phases)
             case "krylov-schur":
+                with phases("count"):  # SLEPc would take the values on both sides of the shift
+                    negative = 0 if self.problem.definite else self.problem.below(self._lowest())
+                if negative:
+                    raise not_stable(negative)
                 return krylov_schur(
                     self.problem, count, tolerance=_TOLERANCE, phases=phases, free=self.free
                 )
         return source.multigrid_lanczos(
             count, self.near_kernel, tolerance=_ITERATIVE_TOLERANCE, seed=seed, phases=phases
         )
+
+    def _lowest(self) -> float:
+        """A value below all λ of a stable state, and not at the many that are 0."""
+        return self.problem.shift if self.free is None else -_ZERO * self.scale
 
 
 def _cut(values: Array, end: int) -> float:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from fenics_defo.analysis.deflation import FreeBody
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.phases import Phases
-from fenics_defo.analysis.stability import not_stable
 from fenics_defo.errors import EigenSolveError, SolverError
 from fenics_defo.fem.linalg import OPTIONS_PREFIX
 
@@ -41,7 +40,7 @@ def krylov_schur(
 
     Raises:
         SolverError: the matrix could not be factorised.
-        EigenSolveError: fewer converged, or eigenvalues lie below the shift.
+        EigenSolveError: fewer converged.
     """
     space = problem.independent if free is None else free.elastic
     with _operators(problem, free) as (stiffness, mass), _solver(problem) as eps:
@@ -53,7 +52,7 @@ def krylov_schur(
         eps.setTolerances(tolerance, 200)
         eps.setTarget(problem.shift)
         eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-        factors = _factors(eps, problem.shift)
+        _set_transform(eps, problem.shift)
         if free is not None:
             with _vectors(problem, free.motions) as motions:
                 eps.setDeflationSpace(motions)
@@ -65,15 +64,12 @@ def krylov_schur(
                     f"SLEPc could not prepare {count} of {space} modes ({error}); use "
                     "the direct solver (--solver lanczos, solver='lanczos')"
                 ) from error
-        negative = 0 if problem.definite else factors.getFactorMatrix().getInertia()[0]
-        if negative:
-            raise not_stable(negative)
         with phases("solve"):
             eps.solve()
             return _pairs(problem, eps, count, free)
 
 
-def _factors(eps: SLEPc.EPS, shift: float) -> PETSc.PC:
+def _set_transform(eps: SLEPc.EPS, shift: float) -> None:
     transform = eps.getST()
     transform.setType(SLEPc.ST.Type.SINVERT)
     transform.setShift(shift)
@@ -83,7 +79,6 @@ def _factors(eps: SLEPc.EPS, shift: float) -> PETSc.PC:
     factors = linear.getPC()
     factors.setType(PETSc.PC.Type.CHOLESKY)
     factors.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-    return factors
 
 
 @contextmanager
