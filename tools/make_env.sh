@@ -36,7 +36,7 @@ make_venv() {
 
 install_with_uv() { # minutes faster than pip, which fetches one wheel after the other
     .venv/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt uv &&
-        UV_PYTHON_DOWNLOADS=never .venv/bin/uv pip install --python .venv/bin/python \
+        UV_PYTHON_DOWNLOADS=never .venv/bin/uv pip install --compile-bytecode --python .venv/bin/python \
             --constraints constraints.txt --build-constraints constraints.txt --editable '.[dev]'
 }
 

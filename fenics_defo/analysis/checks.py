@@ -1,7 +1,6 @@
 """What vibration modes must stand: residuals, orthonormality; and the same vectors on each run."""
 
 import logging
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,14 +8,13 @@ from numpy.typing import NDArray
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.spectrum import align_clusters
 from fenics_defo.errors import EigenSolveError
-from fenics_defo.fem.linalg import multiply
 
 Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
 _RESIDUAL = 1e-6
-# The residuals of exact eigenvectors were 1 to 12 times `_Images.round_off`, on bars 100 to 1000
+# The residuals of exact eigenvectors were 1 to 12 times `_round_off`, on bars 100 to 1000
 # times as long as thick, on springs, plates and blocks of both orders.
 _ROUND_OFF = 30.0
 _WORST_RESIDUAL = 1e-2
@@ -26,20 +24,7 @@ _ORTHONORMAL = 1e-8
 _SAME = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
-class CheckedVectors:
-    """Vectors that have stood the checks, those of equal λ made unique.
-
-    Args:
-        vectors: (owned dofs, k), orthonormal in M.
-        residuals: (k,) relative [-].
-    """
-
-    vectors: Array
-    residuals: Array
-
-
-def checked_vectors(
+def checked_pairs(
     problem: EigenProblem,
     pairs: Pairs,
     *,
@@ -47,7 +32,7 @@ def checked_vectors(
     floor: float,
     tolerance: float | None,
     cluster_rtol: float,
-) -> CheckedVectors:
+) -> tuple[Pairs, Array]:
     """Make the vectors unique and check them. Collective.
 
     Args:
@@ -58,55 +43,37 @@ def checked_vectors(
         tolerance: largest residual; None for 1e-6, or round-off if that is more.
         cluster_rtol: largest relative distance of λ that may be aligned.
 
+    Returns:
+        the pairs, and their relative residuals (k,) [-].
+
     Raises:
         EigenSolveError: residuals are too large, or the vectors are not orthonormal.
     """
-    images = _Images(
-        pairs.vectors,
-        multiply(problem.stiffness, pairs.vectors),
-        multiply(problem.mass, pairs.vectors),
-    )
-    residuals = images.residuals(problem, pairs.values, floor)
+    residuals = problem.residuals(pairs, floor)
     # Vectors whose λ differ by less than their residuals are mixed by round-off anyway.
     mixed = np.minimum(4.0 * np.maximum(residuals, np.roll(residuals, 1)), cluster_rtol)
-    projections = problem.products(images.momenta, fields)
-    images = images.turned(align_clusters(pairs.values, projections, rtol=np.maximum(_SAME, mixed)))
-    residuals = images.residuals(problem, pairs.values, floor)
-    _check_residuals(residuals, images.round_off(problem, pairs.values, floor), tolerance)
-    gram = problem.products(images.vectors, images.momenta)
+    projections = problem.products(pairs.momenta, fields)
+    rotation = align_clusters(pairs.values, projections, rtol=np.maximum(_SAME, mixed))
+    pairs = pairs.rotated(rotation)
+    residuals = problem.residuals(pairs, floor)
+    _check_residuals(residuals, _round_off(problem, pairs, floor), tolerance)
+    gram = problem.products(pairs.vectors, pairs.momenta)
     worst = float(np.abs(gram - np.eye(len(gram))).max())
     if not worst <= _ORTHONORMAL:
         raise EigenSolveError(
             f"the modes are orthonormal to {worst:.1e} only, {_ORTHONORMAL:.0e} is allowed; "
             "improve the mesh, or use another solver"
         )
-    return CheckedVectors(images.vectors, residuals)
+    return pairs, residuals
 
 
-@dataclass(frozen=True, slots=True)
-class _Images:
-    """Vectors X (owned dofs, k) with K X and M X, each computed once."""
-
-    vectors: Array
-    forces: Array
-    momenta: Array
-
-    def turned(self, rotation: Array) -> "_Images":
-        parts = (self.vectors, self.forces, self.momenta)
-        return _Images(*(np.asfortranarray(part @ rotation) for part in parts))
-
-    def residuals(self, problem: EigenProblem, values: Array, floor: float) -> Array:
-        """‖K x - λ M x‖ / (max(λ, floor) ‖M x‖) of each vector (k,) [-]; collective."""
-        difference = problem.norms(self.forces - self.momenta * values)
-        return difference / (np.maximum(values, floor) * problem.norms(self.momenta))
-
-    def round_off(self, problem: EigenProblem, values: Array, floor: float) -> Array:
-        """The residuals (k,) [-] of a force ε diag(K) x, below which none can fall; collective."""
-        diagonal = problem.stiffness.getDiagonal()
-        terms = problem.norms(diagonal.array[:, None] * self.vectors)
-        diagonal.destroy()
-        scale = np.maximum(values, floor) * problem.norms(self.momenta)
-        return float(np.finfo(float).eps) * terms / scale
+def _round_off(problem: EigenProblem, pairs: Pairs, floor: float) -> Array:
+    """The residuals (k,) [-] of a force ε diag(K) x, below which none can fall; collective."""
+    diagonal = problem.stiffness.getDiagonal()
+    terms = problem.norms(diagonal.array[:, None] * pairs.vectors)
+    diagonal.destroy()
+    scale = np.maximum(pairs.values, floor) * problem.norms(pairs.momenta)
+    return float(np.finfo(float).eps) * terms / scale
 
 
 def _check_residuals(residuals: Array, round_off: Array, tolerance: float | None) -> None:

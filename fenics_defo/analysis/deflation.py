@@ -1,4 +1,4 @@
-"""Elastic modes of a body that is free to move: its strainless motions are known, and left out.
+"""The eigenvalue problem without what is known: strainless motions, and pairs found before.
 
 With R the strainless motions (K R = 0, Rᵀ M R = I) and S springs of any stiffness at as many
 components as R has columns, K + S is positive definite, and K y = f has the solution
@@ -7,12 +7,13 @@ components as R has columns, K + S is positive definite, and K y = f has the sol
     P (K + S)⁻¹ M,   P = I - R Rᵀ M,
 
 has the elastic eigenpairs (1/λ, φ) and no others. No shift is needed, whose distance to the first
-elastic λ would have to be guessed; and the strainless motions are exact.
+elastic λ would have to be guessed; and the strainless motions are exact. Pairs found before are
+left out by the same projection: blocks of b vectors see b vectors of an eigenvalue at a time.
 """
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from petsc4py import PETSc
 
@@ -30,30 +31,58 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class FreeBody:
-    """The eigenvalue problem of a body with strainless motions.
+class Deflation:
+    """An eigenvalue problem and what is left out of it.
 
     Args:
-        problem: its matrices, shift 0.
-        motions: R (owned dofs, k) in Fortran order, orthonormal in M.
+        problem: the matrices; the shift is 0 if there are strainless motions.
+        motions: R (owned dofs, k) in Fortran order, orthonormal in M; k may be 0.
         momenta: M R (owned dofs, k).
         supports: (owned dofs,) bool, where the springs are.
+        found: elastic pairs found before.
     """
 
     problem: EigenProblem
     motions: Array
     momenta: Array
     supports: NDArray[np.bool_]
+    found: Pairs | None = None
 
     @property
-    def elastic(self) -> int:
-        """Number of elastic modes."""
-        return self.problem.independent - self.motions.shape[1]
+    def strainless(self) -> int:
+        """Number k of strainless motions."""
+        return self.motions.shape[1]
+
+    @property
+    def remaining(self) -> int:
+        """Dimension of what is left."""
+        found = 0 if self.found is None else len(self.found.values)
+        return self.problem.independent - self.strainless - found
+
+    def locking(self, pairs: Pairs) -> "Deflation":
+        """The same with all converged pairs left out, of which the first k are the motions."""
+        known = slice(self.strainless, pairs.converged)
+        elastic = Pairs(
+            pairs.values[known],
+            pairs.vectors[:, known],
+            pairs.forces[:, known],
+            pairs.momenta[:, known],
+            max(0, pairs.converged - self.strainless),
+        )
+        return replace(self, found=elastic)
+
+    @property
+    def known(self) -> tuple[Array, Array]:
+        """Vectors (owned dofs, l) that are left out, and their products with M."""
+        if self.found is None:
+            return self.motions, self.momenta
+        vectors = np.hstack([self.motions, self.found.vectors])
+        return vectors, np.hstack([self.momenta, self.found.momenta])
 
     @contextmanager
-    def supported(self) -> Iterator[PETSc.Mat]:
-        """K + S, the springs as stiff as the body's own diagonal."""
-        matrix = self.problem.shifted(0.0)
+    def supported(self, shift: float) -> Iterator[PETSc.Mat]:
+        """K - shift M + S, the springs as stiff as the body's own diagonal."""
+        matrix = self.problem.shifted(shift)
         try:
             diagonal = matrix.getDiagonal()
             diagonal.array[~self.supports] = 0.0
@@ -65,35 +94,47 @@ class FreeBody:
         finally:
             matrix.destroy()
 
-    def deflated(self, block: Array) -> Array:
-        """P X: a block (owned dofs, b) without its strainless part, in Fortran order."""
-        return block - self.motions @ self.problem.products(self.momenta, block)
+    def whole(self, rest: Pairs) -> Pairs:
+        """All pairs: the strainless motions with λ = 0, then what was found before and now."""
+        if self.found is not None:
+            # Guards are not accurate, and nothing above the lowest of them is sure to be complete.
+            sure = float(rest.values[rest.converged :].min(initial=np.inf))
+            rest = self.problem.ritz(np.hstack([self.found.vectors, rest.vectors]), converged=0)
+            rest = replace(rest, converged=int(np.count_nonzero(rest.values < sure * (1 - 1e-6))))
+        forces = multiply(self.problem.stiffness, self.motions)
+        return Pairs(
+            np.append(np.zeros(self.strainless), rest.values),
+            np.asfortranarray(np.hstack([self.motions, rest.vectors])),
+            np.hstack([forces, rest.forces]),
+            np.hstack([self.momenta, rest.momenta]),
+            self.strainless + rest.converged,
+        )
 
-    def balanced(self, block: Array) -> Array:
-        """Pᵀ X: loads without resultant."""
-        return block - self.momenta @ self.problem.products(self.motions, block)
-
-    def with_motions(self, elastic: Pairs) -> Pairs:
-        """All pairs: the strainless motions with λ = 0, then the elastic ones."""
-        values = np.append(np.zeros(self.motions.shape[1]), elastic.values)
-        return Pairs(values, np.asfortranarray(np.hstack([self.motions, elastic.vectors])))
-
-    def lanczos(self, count: int, *, tolerance: float, seed: int, phases: Phases) -> Pairs:
-        """At least ``count`` elastic pairs by block Lanczos with MUMPS's factors of K + S.
+    def lanczos(
+        self, count: int, *, guard: int, tolerance: float, seed: int, phases: Phases
+    ) -> Pairs:
+        """At least ``count`` of the remaining pairs and some guards by block Lanczos and MUMPS.
 
         Raises:
             SolverError: no memory.
             EigenSolveError: they did not converge, or the state is not stable.
         """
-        with phases("factorise"), self.supported() as matrix:
+        with phases("factorise"), self.supported(self.problem.shift) as matrix:
             factors = Factorization(matrix, definite=self.problem.definite)
         with factors, phases("solve"):
             if not self.problem.definite and factors.negative_pivots:
                 raise not_stable(factors.negative_pivots)
-            return self._block_lanczos(factors, count, tolerance=tolerance, seed=seed)
+            return self._block_lanczos(factors, count, guard, tolerance=tolerance, seed=seed)
 
     def multigrid_lanczos(
-        self, count: int, near_kernel: Array, *, tolerance: float, seed: int, phases: Phases
+        self,
+        count: int,
+        near_kernel: Array,
+        *,
+        guard: int,
+        tolerance: float,
+        seed: int,
+        phases: Phases,
     ) -> Pairs:
         """The same with conjugate gradients and multigrid in place of the factors.
 
@@ -101,28 +142,45 @@ class FreeBody:
             SolverError: an inner solve did not converge.
             EigenSolveError: the pairs did not converge.
         """
-        with phases("factorise"), self.supported() as matrix:
-            solver = MultigridSolver(matrix, near_kernel, self.problem.free, rtol=0.01 * tolerance)
+        with phases("factorise"), self.supported(self.problem.shift) as matrix:
+            solver = MultigridSolver(matrix, near_kernel, self.problem.free, rtol=1e-4 * tolerance)
         with solver, phases("solve"):
-            pairs = self._block_lanczos(solver, count, tolerance=tolerance, seed=seed)
-            return self.problem.ritz(self.deflated(pairs.vectors))
+            return self._block_lanczos(solver, count, guard, tolerance=tolerance, seed=seed)
 
     def _block_lanczos(
-        self, solver: Factorization | MultigridSolver, count: int, *, tolerance: float, seed: int
+        self,
+        solver: Factorization | MultigridSolver,
+        count: int,
+        guard: int,
+        *,
+        tolerance: float,
+        seed: int,
     ) -> Pairs:
         problem = self.problem
         rng = np.random.default_rng([seed, problem.comm.rank])
-        width = min(BLOCK, self.elastic)
+        width = min(BLOCK, self.remaining)
+        vectors, momenta = self.known
+
+        def solve(block: Array) -> Array:
+            if not vectors.shape[1]:
+                return solver.solve(block)
+            loads = block - momenta @ problem.products(vectors, block)
+            answer = solver.solve(np.asfortranarray(loads))
+            return np.asfortranarray(answer - vectors @ problem.products(momenta, answer))
+
         found = block_lanczos(
-            lambda block: self.deflated(solver.solve(np.asfortranarray(self.balanced(block)))),
+            solve,
             lambda block: multiply(problem.mass, block),
             lambda: problem.random_block(rng, width),
             count,
             comm=problem.comm,
-            independent=self.elastic,
+            independent=self.remaining,
+            guard=min(guard, self.remaining - count),
             tolerance=tolerance,
         )
-        return Pairs(1.0 / found.theta, found.vectors)
+        # One inverse iteration more takes from all vectors at once what stiff motions they hold.
+        purified = solve(multiply(problem.mass, found.vectors)) / found.theta
+        return problem.ritz(purified, converged=found.converged)
 
 
 def orthonormal_in_mass(problem: EigenProblem, fields: Array) -> tuple[Array, Array]:
@@ -131,6 +189,8 @@ def orthonormal_in_mass(problem: EigenProblem, fields: Array) -> tuple[Array, Ar
     Returns:
         R and M R, (owned dofs, k) in Fortran order, the same span.
     """
+    if not fields.shape[1]:
+        return fields, fields.copy()
     for _ in range(2):  # the second time removes what the first one's round-off left
         products = problem.products(fields, multiply(problem.mass, fields))
         scale = 1.0 / np.sqrt(np.diag(products))

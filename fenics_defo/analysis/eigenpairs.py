@@ -9,6 +9,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from fenics_defo.analysis.lanczos import block_lanczos
@@ -30,11 +31,37 @@ class Pairs:
 
     Args:
         values: λ (k,) [rad²/s²], ascending.
-        vectors: (owned dofs, k) in Fortran order, orthonormal in M.
+        vectors: X (owned dofs, k) in Fortran order, orthonormal in M.
+        forces: K X (owned dofs, k).
+        momenta: M X (owned dofs, k).
+        converged: how many, from the first, are accurate; the rest show what comes next.
     """
 
     values: Array
     vectors: Array
+    forces: Array
+    momenta: Array
+    converged: int
+
+    def leading(self, count: int) -> "Pairs":
+        """The first pairs only."""
+        return Pairs(
+            self.values[:count],
+            self.vectors[:, :count],
+            self.forces[:, :count],
+            self.momenta[:, :count],
+            min(self.converged, count),
+        )
+
+    def rotated(self, rotation: Array) -> "Pairs":
+        """Vectors combined by an orthogonal matrix (k, k) that mixes equal eigenvalues only."""
+        return Pairs(
+            self.values,
+            np.asfortranarray(self.vectors @ rotation),
+            self.forces @ rotation,
+            self.momenta @ rotation,
+            self.converged,
+        )
 
 
 @dataclass
@@ -86,8 +113,9 @@ class EigenProblem:
             unstable = factors.negative_pivots
             factors.close()
             raise EigenSolveError(
-                f"the given displacement is not a stable state: the tangent has {unstable} negative "
-                f"eigenvalue{'s' if unstable > 1 else ''}; modes exist about stable equilibria only. "
+                f"the given displacement is not a stable state: the tangent has {unstable} "
+                f"negative eigenvalue{'s' if unstable > 1 else ''}, and modes exist about stable "
+                "equilibria only. "
                 "Lower the load below buckling, or converge the equilibrium"
             )
         return factors
@@ -98,30 +126,47 @@ class EigenProblem:
         block[~self.free] = 0.0
         return block
 
-    def lanczos(self, count: int, *, tolerance: float, seed: int, phases: Phases) -> Pairs:
-        """Pairs by block Lanczos with MUMPS's factors; at least ``count`` of them."""
+    def lanczos(
+        self, count: int, *, guard: int, tolerance: float, seed: int, phases: Phases
+    ) -> Pairs:
+        """Pairs by block Lanczos with MUMPS's factors; at least ``count`` and some guards."""
         with phases("factorise"):
             factors = self.factorised()
         with factors, phases("solve"):
-            return self._block_lanczos(factors.solve, count, tolerance=tolerance, seed=seed)
+            return self._block_lanczos(
+                factors.solve, count, guard=guard, tolerance=tolerance, seed=seed
+            )
 
     def multigrid_lanczos(
-        self, count: int, near_kernel: Array, *, tolerance: float, seed: int, phases: Phases
+        self,
+        count: int,
+        near_kernel: Array,
+        *,
+        guard: int,
+        tolerance: float,
+        seed: int,
+        phases: Phases,
     ) -> Pairs:
-        """Pairs by block Lanczos with multigrid-preconditioned inner solves, for bodies of any
-        size."""
+        """Pairs by block Lanczos with multigrid-preconditioned inner solves."""
         matrix = self.shifted(self.shift)
         try:
             with phases("factorise"):
-                solver = MultigridSolver(matrix, near_kernel, self.free, rtol=0.01 * tolerance)
+                solver = MultigridSolver(matrix, near_kernel, self.free, rtol=1e-4 * tolerance)
         finally:
             matrix.destroy()
         with solver, phases("solve"):
-            pairs = self._block_lanczos(solver.solve, count, tolerance=tolerance, seed=seed)
-            return self.ritz(pairs.vectors)
+            return self._block_lanczos(
+                solver.solve, count, guard=guard, tolerance=tolerance, seed=seed
+            )
 
     def _block_lanczos(
-        self, solve: Callable[[Array], Array], count: int, *, tolerance: float, seed: int
+        self,
+        solve: Callable[[Array], Array],
+        count: int,
+        *,
+        guard: int,
+        tolerance: float,
+        seed: int,
     ) -> Pairs:
         rng = np.random.default_rng([seed, self.comm.rank])
         width = min(BLOCK, self.independent)
@@ -132,13 +177,15 @@ class EigenProblem:
             count,
             comm=self.comm,
             independent=self.independent,
+            guard=min(guard, self.independent - count),
             tolerance=tolerance,
         )
-        return Pairs(self.shift + 1.0 / found.theta, found.vectors)
+        # One inverse iteration more takes from all vectors at once what stiff motions they hold.
+        purified = solve(multiply(self.mass, found.vectors)) / found.theta
+        return self.ritz(purified, converged=found.converged)
 
     def below(self, value: float) -> int:
-        """Number of eigenvalues below a value, by the inertia of K - value M (one more
-        factorisation)."""
+        """Number of eigenvalues below a value, by the inertia of K - value M."""
         matrix = self.shifted(value)
         try:
             with Factorization(matrix, definite=False) as factors:
@@ -146,20 +193,21 @@ class EigenProblem:
         finally:
             matrix.destroy()
 
-    def ritz(self, vectors: Array) -> Pairs:
-        """Best pairs in the space of some independent vectors, orthonormal in M to round-off."""
-        for _ in range(2):
-            values, turn = np.linalg.eigh(self.products(vectors, multiply(self.mass, vectors)))
-            vectors = np.asfortranarray(vectors @ (turn / np.sqrt(values)))
-        values, turn = np.linalg.eigh(self.products(vectors, multiply(self.stiffness, vectors)))
-        return Pairs(values, np.asfortranarray(vectors @ turn))
+    def ritz(self, vectors: Array, *, converged: int) -> Pairs:
+        """Best pairs in the space of some vectors that are nearly orthonormal in M; collective."""
+        vectors = np.asfortranarray(vectors)
+        forces, momenta = multiply(self.stiffness, vectors), multiply(self.mass, vectors)
+        values, turn = scipy.linalg.eigh(
+            self.products(vectors, forces), self.products(vectors, momenta)
+        )
+        return Pairs(
+            values, np.asfortranarray(vectors @ turn), forces @ turn, momenta @ turn, converged
+        )
 
     def residuals(self, pairs: Pairs, floor: float) -> Array:
         """‖K x - λ M x‖ / (max(λ, floor) ‖M x‖) of each pair (k,) [-]; collective."""
-        forces = multiply(self.stiffness, pairs.vectors)
-        inertia = multiply(self.mass, pairs.vectors)
-        difference = self.norms(forces - inertia * pairs.values)
-        return difference / (np.maximum(pairs.values, floor) * self.norms(inertia))
+        difference = self.norms(pairs.forces - pairs.momenta * pairs.values)
+        return difference / (np.maximum(pairs.values, floor) * self.norms(pairs.momenta))
 
     def norms(self, block: Array) -> Array:
         """Euclidean norm of each column over all ranks."""

@@ -6,9 +6,8 @@ all of them, where one vector at a time is bound by memory: this is why blocks w
 Krylov-Schur, which is one vector at a time.
 
 References: Grimes, Lewis and Simon, SIAM J. Matrix Anal. Appl. 15 (1994) 228-272 (shifted block
-    Lanczos); Wu and Simon,
-SIAM J. Matrix Anal. Appl. 22 (2000) 602-616 (thick restart); Stewart, Matrix Algorithms II, SIAM
-2001, chapter 5.
+Lanczos); Wu and Simon, SIAM J. Matrix Anal. Appl. 22 (2000) 602-616 (thick restart); Stewart,
+Matrix Algorithms II, SIAM 2001, chapter 5.
 """
 
 from collections.abc import Callable
@@ -26,6 +25,7 @@ BlockMap = Callable[[Array], Array]
 
 # A column whose part outside the basis is smaller, relative to the whole, is round-off.
 _DEPENDENT = 1e-11
+_GUARD_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +35,13 @@ class RitzPairs:
     Args:
         theta: (k,) eigenvalues 1/(λ - σ), largest first.
         vectors: (owned dofs, k) in Fortran order, orthonormal in M.
+        converged: how many of them, from the first, are within the tolerance; the rest are guards.
         solves: number of vectors that were solved for.
     """
 
     theta: Array
     vectors: Array
+    converged: int
     solves: int
 
 
@@ -51,7 +53,8 @@ def block_lanczos(
     *,
     comm: MPI.Comm,
     independent: int,
-    tolerance: float = 1e-10,
+    guard: int = 0,
+    tolerance: float = 1e-9,
     basis_limit: int | None = None,
     max_restarts: int = 40,
 ) -> RitzPairs:
@@ -65,19 +68,21 @@ def block_lanczos(
         count: number of pairs.
         comm: communicator of the rows.
         independent: dimension of the space, that is the number of components that are not held.
+        guard: number of further pairs, to 1e-3 only: their θ, whose error is the square of that,
+            show what comes next.
         tolerance: largest error bound of an accepted θ, relative to it.
-        basis_limit: vectors kept before a restart; ``max(2 count, count + 6 b)`` if not given.
+        basis_limit: vectors kept before a restart; ``max(4 count, count + 15 b)`` if not given.
         max_restarts: number of restarts before giving up.
 
     Returns:
-        at least ``count`` pairs, all that have converged.
+        at least ``count + guard`` pairs, as far as the space holds so many.
 
     Raises:
         EigenSolveError: fewer than ``count`` pairs converged.
     """
     start = random()
     width = start.shape[1]
-    limit = basis_limit or max(2 * count, count + 6 * width)
+    limit = basis_limit or max(4 * count, count + guard + 15 * width)
     basis = _Basis(len(start), limit + width, mass, comm)
     basis.append(solve(mass(start)))
     projected = np.zeros((0, 0))
@@ -92,11 +97,10 @@ def block_lanczos(
         theta, inner = theta[::-1], inner[:, ::-1]
         bounds = np.linalg.norm(rest @ inner[fresh], axis=0)
         done = _leading(bounds <= tolerance * np.abs(theta))
-        if done >= count or len(projected) == independent:
+        shown = _leading(bounds <= _GUARD_TOLERANCE * np.abs(theta))
+        if (done >= count and shown >= count + guard) or len(projected) == independent:
             break
-        if (
-            rest.shape[0] == 0
-        ):  # an invariant subspace, without all of a multiple eigenvalue: look elsewhere
+        if rest.shape[0] == 0:  # an invariant subspace, without all of a multiple eigenvalue
             basis.append(solve(mass(random())))
             solves += width
         if len(projected) + basis.newest_width > limit:
@@ -106,17 +110,17 @@ def block_lanczos(
                     "ask for fewer modes, or loosen the tolerance"
                 )
             restarts += 1
-            keep = min(len(theta) - width, count + width)
+            keep = min(len(theta) - width, count + guard + width)
             basis.restart(inner[:, :keep])
-            # The residual block couples the kept pairs to what comes next: an arrowhead, found anew
-            # by projection.
+            # What couples the kept pairs to the newest block is found anew by projection.
             projected = np.diag(theta[:keep])
     if done < count:
         raise EigenSolveError(
-            f"the body has only {len(projected)} independent motions, and {count} modes were asked for"
+            f"the body has only {len(projected)} independent motions, "
+            f"and {count} modes were asked for"
         )
-    kept = slice(0, done)
-    return RitzPairs(theta[kept], basis.combine(inner[:, kept]), solves)
+    kept = slice(0, max(done, min(shown, count + guard)))
+    return RitzPairs(theta[kept], basis.combine(inner[:, kept]), done, solves)
 
 
 def _leading(accepted: NDArray[np.bool_]) -> int:
@@ -135,8 +139,7 @@ def _grow(projected: Array, coefficients: Array, fresh: slice) -> Array:
 
 
 class _Basis:
-    """M-orthonormal vectors V with their products M V, in blocks; the last block awaits its
-    image."""
+    """M-orthonormal vectors V with their products M V; the last block awaits its image."""
 
     def __init__(self, rows: int, columns: int, mass: BlockMap, comm: MPI.Comm) -> None:
         self._vectors = np.empty((rows, columns), order="F")
@@ -144,6 +147,7 @@ class _Basis:
         self._mass = mass
         self._comm = comm
         self._size = 0
+        self._recent = 0
         self.newest = slice(0, 0)
 
     @property
@@ -164,18 +168,20 @@ class _Basis:
             + V_new rest.
         """
         size = self._size
-        old, products = self._vectors[:, :size], self._products[:, :size]
         before = self._norms(block)
         coefficients = np.zeros((size, block.shape[1]))
-        for _ in range(2):  # twice is enough (Giraud, Langou, Rozloznik 2005)
-            step = self._sum(products.T @ block)
-            block = block - old @ step
-            coefficients += step
+        # The image of the newest block has its large parts along the last two blocks, unless a
+        # restart has just made one of all; a second pass over everything clears the round-off.
+        for first in (self._recent, 0):
+            step = self._sum(self._products[:, first:size].T @ block)
+            block = block - self._vectors[:, first:size] @ step
+            coefficients[first:] += step
         new = self._norms(block) > _DEPENDENT * before
         fresh, product, rest = self._orthonormal(np.asfortranarray(block[:, new]))
         end = size + fresh.shape[1]
         self._vectors[:, size:end] = fresh
         self._products[:, size:end] = product
+        self._recent = self.newest.start
         self.newest = slice(size, end)
         self._size = end
         full = np.zeros((fresh.shape[1], block.shape[1]))
@@ -183,8 +189,7 @@ class _Basis:
         return coefficients, full
 
     def _orthonormal(self, block: Array) -> tuple[Array, Array, Array]:
-        """Q, M Q and R with block = Q R and Q orthonormal in M, by twofold Gram matrices; dependent
-        columns go."""
+        """Q, M Q and R with block = Q R and Q orthonormal in M; dependent columns go."""
         product = self._mass(block)
         total = np.eye(block.shape[1])
         for _ in range(2):
@@ -209,6 +214,7 @@ class _Basis:
             table[:, :keep] = table[:, :size] @ coefficients
             table[:, keep : keep + width] = table[:, size : size + width].copy()
         self.newest = slice(keep, keep + width)
+        self._recent = 0
         self._size = keep + width
 
     def _sum(self, local: Array) -> Array:

@@ -7,8 +7,8 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.analysis.checks import CheckedVectors, checked_vectors
-from fenics_defo.analysis.deflation import FreeBody, orthonormal_in_mass
+from fenics_defo.analysis.checks import checked_pairs
+from fenics_defo.analysis.deflation import Deflation, orthonormal_in_mass
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.inertia import Inertia, body_inertia
 from fenics_defo.analysis.phases import Phases
@@ -90,8 +90,7 @@ def linear_modes(
                 )
             body = _assemble(stack, solid, displacement, motions)
         search = Search(
-            problem=body.problem,
-            free=body.free,
+            deflation=body.deflation,
             near_kernel=body.fields[:, :6],
             scale=body.scale,
             strainless=len(motions),
@@ -106,8 +105,8 @@ def linear_modes(
         tolerance = residual_tolerance
         if tolerance is None and solver == "iterative":
             tolerance = _ITERATIVE_RESIDUAL
-        checked = _checked(body, pairs, tolerance, 2.0 * cluster_tolerance)
-        modes = _modes(body, pairs.values, checked, complete=complete)
+        pairs, residuals = _checked(body, pairs, tolerance, 2.0 * cluster_tolerance)
+        modes = _modes(body, pairs, residuals, complete=complete)
     if keep_rigid:
         return modes
     return replace(modes.select(slice(modes.rigid_modes, None)), complete=complete)
@@ -150,16 +149,14 @@ class _Body:
 
     Args:
         solid: the body.
-        problem: its matrices and shift.
-        free: its strainless motions, if it has some.
+        deflation: its matrices and shift, and its strainless motions.
         inertia: its masses.
         scale: about a deformed state, estimate of the first elastic λ, from above [rad²/s²].
         fields: (owned dofs, 30) polynomial displacements, zero at held components.
     """
 
     solid: Solid
-    problem: EigenProblem
-    free: FreeBody | None
+    deflation: Deflation
     inertia: Inertia
     scale: float
     fields: Array
@@ -184,25 +181,25 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
     )
     points = solid.points if displacement is None else solid.points + displacement
     fields = _polynomials(solid, points) * free[:, None]
-    released = _free_body(solid, problem, motions) if len(motions) else None
-    scale = 0.0
+    deflation, scale = _deflation(solid, problem, motions), 0.0
     if displacement is not None:
         scale = _first_elastic(problem, fields, len(motions))
-        if released is not None and not _strains_nothing(released, solid, displacement):
+        if not _strains_nothing(deflation, solid, displacement):
             # Loads that keep their direction give the motions a stiffness, as to a pendulum.
-            released, problem = None, replace(problem, shift=-_SHIFT * scale)
-    return _Body(solid, problem, released, body_inertia(solid), scale, fields)
+            shifted = replace(problem, shift=-_SHIFT * scale)
+            deflation = _deflation(solid, shifted, motions[:0])
+    return _Body(solid, deflation, body_inertia(solid), scale, fields)
 
 
-def _strains_nothing(free: FreeBody, solid: Solid, displacement: Array) -> bool:
+def _strains_nothing(deflation: Deflation, solid: Solid, displacement: Array) -> bool:
     """Whether the motions are without stiffness but for round-off, that of F = I + ∇u included."""
-    problem, size = free.problem, float(np.ptp(solid.points, axis=0).max())
+    problem, size = deflation.problem, float(np.ptp(solid.points, axis=0).max())
     cell = size / len(solid.cells) ** (1.0 / 3.0)
     digits = 1.0 + (size + float(np.abs(displacement).max())) / cell
     diagonal = problem.stiffness.getDiagonal()
-    terms = problem.norms(diagonal.array[:, None] * free.motions)
+    terms = problem.norms(diagonal.array[:, None] * deflation.motions)
     diagonal.destroy()
-    forces = problem.norms(multiply(problem.stiffness, free.motions))
+    forces = problem.norms(multiply(problem.stiffness, deflation.motions))
     return bool((forces <= 100.0 * digits * np.finfo(float).eps * terms).all())
 
 
@@ -214,17 +211,14 @@ def _polynomials(solid: Solid, points: Array) -> Array:
     return np.asfortranarray(quadratic_fields(own).reshape(30, -1).T)
 
 
-def _free_body(solid: Solid, problem: EigenProblem, motions: Array) -> FreeBody:
-    owned = solid.assembly.owned
+def _deflation(solid: Solid, problem: EigenProblem, motions: Array) -> Deflation:
+    owned, rows = solid.assembly.owned, len(problem.free)
+    local = np.zeros((rows, len(motions)), order="F")
+    for column, motion in zip(local.T, motions, strict=True):
+        column[:] = solid.nodes.scatter(motion)[:owned].ravel()
     springs = supports(motions, ~solid.held & solid.nodes.carried[:, None])
-    local = [solid.nodes.scatter(field)[:owned].ravel() for field in motions]
-    kernel, momenta = orthonormal_in_mass(problem, np.stack(local, axis=1))
-    return FreeBody(
-        problem,
-        kernel,
-        momenta,
-        solid.nodes.scatter(springs.astype(np.float64))[:owned].ravel() > 0.0,
-    )
+    held_by = solid.nodes.scatter(springs.astype(np.float64))[:owned].ravel() > 0.0
+    return Deflation(problem, *orthonormal_in_mass(problem, local), held_by)
 
 
 def _first_elastic(problem: EigenProblem, fields: Array, rigid: int) -> float:
@@ -239,26 +233,26 @@ def _first_elastic(problem: EigenProblem, fields: Array, rigid: int) -> float:
     return float(ritz[min(rigid, len(ritz) - 1)])
 
 
-def _modes(body: _Body, values: Array, checked: CheckedVectors, *, complete: bool) -> Modes:
+def _modes(body: _Body, pairs: Pairs, residuals: Array, *, complete: bool) -> Modes:
     """The user's record of pairs that have stood the checks."""
-    solid, problem, inertia = body.solid, body.problem, body.inertia
-    local = checked.vectors.reshape(-1, 3, len(values))
+    solid, problem, inertia = body.solid, body.deflation.problem, body.inertia
+    local = pairs.vectors.reshape(-1, 3, len(pairs.values))
     shapes = np.ascontiguousarray(np.moveaxis(solid.nodes.gather(local), 2, 0))
     sign = signs(shapes)
     numbers = np.zeros(solid.nodes.size, np.int64)
     numbers[: len(solid.record.node_numbers)] = solid.record.node_numbers
     return Modes(
-        frequencies=np.sqrt(values) / (2.0 * np.pi),
+        frequencies=np.sqrt(pairs.values) / (2.0 * np.pi),
         shapes=shapes * sign[:, None, None],
         points=solid.points,
         cells=solid.cells,
         cell_type=solid.nodes.cell_type,
         node_numbers=numbers,
         node_mass=solid.lumped_mass(),
-        residuals=checked.residuals,
-        rigid_modes=int(np.count_nonzero(values == 0.0)),
+        residuals=residuals,
+        rigid_modes=int(np.count_nonzero(pairs.values == 0.0)),
         complete=complete,
-        participation=problem.products(checked.vectors, inertia.momenta) * sign[:, None],
+        participation=problem.products(pairs.vectors, inertia.momenta) * sign[:, None],
         total_mass=inertia.total_mass,
         centre=inertia.centre,
         inertia=inertia.moments,
@@ -267,13 +261,13 @@ def _modes(body: _Body, values: Array, checked: CheckedVectors, *, complete: boo
 
 def _checked(
     body: _Body, pairs: Pairs, tolerance: float | None, cluster_rtol: float
-) -> CheckedVectors:
-    solid, problem, fields = body.solid, body.problem, body.fields
+) -> tuple[Pairs, Array]:
+    solid, problem, fields = body.solid, body.deflation.problem, body.fields
     masses = solid.nodes.scatter(solid.lumped_mass())[: solid.assembly.owned]
     norms = problem.norms(fields * np.sqrt(np.repeat(masses, 3))[:, None])
     seen = norms > 0.0
     elastic = pairs.values[pairs.values > 0.0]
-    return checked_vectors(
+    return checked_pairs(
         problem,
         pairs,
         fields=fields[:, seen] / norms[seen],

@@ -187,14 +187,16 @@ def supports(fields: Array, free: NDArray[np.bool_]) -> NDArray[np.bool_]:
     Chosen by pivoted QR, so that no combination of the fields is small at all of them.
 
     Args:
-        fields: (k, n, 3) independent.
+        fields: (k, n, 3) independent; k may be 0.
         free: (n, 3) components that may be chosen.
 
     Returns:
         (n, 3) with k true entries.
     """
+    chosen = np.zeros(free.size, bool)
+    if not len(fields):
+        return chosen.reshape(free.shape)
     candidates = np.flatnonzero(free)
     pivots = linalg.qr(fields.reshape(len(fields), -1)[:, candidates], mode="r", pivoting=True)[1]
-    chosen = np.zeros(free.size, bool)
     chosen[candidates[pivots[: len(fields)]]] = True
     return chosen.reshape(free.shape)

@@ -9,7 +9,7 @@ from slepc4py import SLEPc
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.analysis.deflation import FreeBody
+from fenics_defo.analysis.deflation import Deflation
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.errors import EigenSolveError, SolverError
@@ -18,22 +18,14 @@ from fenics_defo.fem.linalg import OPTIONS_PREFIX
 Array = NDArray[np.float64]
 
 
-def krylov_schur(
-    problem: EigenProblem,
-    count: int,
-    *,
-    tolerance: float,
-    phases: Phases,
-    free: FreeBody | None = None,
-) -> Pairs:
+def krylov_schur(deflation: Deflation, count: int, *, tolerance: float, phases: Phases) -> Pairs:
     """Pairs by SLEPc's Krylov-Schur iteration, shift-and-invert, factors by MUMPS.
 
     Args:
-        problem: matrices and shift.
+        deflation: the problem and what is left out of it.
         count: number of pairs.
         tolerance: SLEPc's tolerance of the shifted and inverted problem.
         phases: stopwatch.
-        free: strainless motions to leave out, if the body has some.
 
     Returns:
         at least ``count`` pairs.
@@ -42,8 +34,9 @@ def krylov_schur(
         SolverError: the matrix could not be factorised.
         EigenSolveError: fewer converged.
     """
-    space = problem.independent if free is None else free.elastic
-    with _operators(problem, free) as (stiffness, mass), _solver(problem) as eps:
+    problem, space = deflation.problem, deflation.remaining
+    vectors, momenta = deflation.known
+    with _operators(deflation) as (stiffness, mass), _solver(problem) as eps:
         stiffness.setOption(PETSc.Mat.Option.SPD, problem.definite)
         eps.setOperators(stiffness, mass)
         eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
@@ -53,9 +46,9 @@ def krylov_schur(
         eps.setTarget(problem.shift)
         eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
         _set_transform(eps, problem.shift)
-        if free is not None:
-            with _vectors(problem, free.motions) as motions:
-                eps.setDeflationSpace(motions)
+        if vectors.shape[1]:
+            with _handles(problem, vectors) as handles:
+                eps.setDeflationSpace(handles)
         with phases("factorise"):
             try:
                 eps.setUp()
@@ -66,7 +59,9 @@ def krylov_schur(
                 ) from error
         with phases("solve"):
             eps.solve()
-            return _pairs(problem, eps, count, free)
+            found = _vectors(problem, eps, count)
+    found -= vectors @ problem.products(momenta, found)
+    return problem.ritz(found, converged=found.shape[1])
 
 
 def _set_transform(eps: SLEPc.EPS, shift: float) -> None:
@@ -82,21 +77,18 @@ def _set_transform(eps: SLEPc.EPS, shift: float) -> None:
 
 
 @contextmanager
-def _operators(
-    problem: EigenProblem, free: FreeBody | None
-) -> Iterator[tuple[PETSc.Mat, PETSc.Mat]]:
-    """The two matrices in the scalar format that SLEPc can add; K + S for a free body."""
+def _operators(deflation: Deflation) -> Iterator[tuple[PETSc.Mat, PETSc.Mat]]:
+    """K + S and M in the scalar format that SLEPc can add."""
     with ExitStack() as stack:
-        whole = problem.stiffness if free is None else stack.enter_context(free.supported())
-        stiffness = whole.convert("aij", PETSc.Mat())
+        stiffness = stack.enter_context(deflation.supported(0.0)).convert("aij", PETSc.Mat())
         stack.callback(stiffness.destroy)
-        mass = problem.mass.convert("aij", PETSc.Mat())
+        mass = deflation.problem.mass.convert("aij", PETSc.Mat())
         stack.callback(mass.destroy)
         yield stiffness, mass
 
 
 @contextmanager
-def _vectors(problem: EigenProblem, columns: Array) -> Iterator[list[PETSc.Vec]]:
+def _handles(problem: EigenProblem, columns: Array) -> Iterator[list[PETSc.Vec]]:
     vectors = [problem.stiffness.createVecRight() for _ in range(columns.shape[1])]
     try:
         for vector, column in zip(vectors, columns.T, strict=True):
@@ -118,7 +110,7 @@ def _solver(problem: EigenProblem) -> Iterator[SLEPc.EPS]:
         eps.destroy()
 
 
-def _pairs(problem: EigenProblem, eps: SLEPc.EPS, count: int, free: FreeBody | None) -> Pairs:
+def _vectors(problem: EigenProblem, eps: SLEPc.EPS, count: int) -> Array:
     found = eps.getConverged()
     if found < count:
         raise EigenSolveError(
@@ -132,4 +124,4 @@ def _pairs(problem: EigenProblem, eps: SLEPc.EPS, count: int, free: FreeBody | N
         vectors[:, place] = vector.array
     vector.destroy()
     vectors[~problem.free] = 0.0
-    return problem.ritz(vectors if free is None else free.deflated(vectors))
+    return vectors

@@ -59,7 +59,7 @@ def align_clusters(values: Array, projections: Array, *, rtol: Array) -> Array:
 def _claimed(projections: Array) -> Array:
     """Orthogonal (k, k): of each field's projection the part that earlier ones have not taken."""
     size = len(projections)
-    scale = np.abs(projections).max(initial=0.0)
+    scale = np.linalg.norm(projections, axis=0).max(initial=0.0)
     if not scale > _UNSEEN:
         return np.eye(size)
     columns = np.zeros((size, 0))

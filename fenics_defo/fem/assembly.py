@@ -4,11 +4,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cached_property
 
+from mpi4py import MPI
+from petsc4py import PETSc
+
 import numpy as np
 import ufl
-from mpi4py import MPI
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.forms import BodyForms
@@ -23,8 +24,9 @@ _FORMAT = "baij"
 class Assembly:
     """Energy, force and matrices of a body over this rank's nodes, owned ones first.
 
-    Each form is compiled on its first use. Held components are kept in the matrices that are meant for solving,
-    as unit rows of the stiffness and zero rows of the mass: their eigenvalues lie at infinity.
+    Each form is compiled on its first use. Held components are kept in the matrices that are meant
+    for solving, as unit rows of the stiffness and zero rows of the mass: their eigenvalues lie at
+    infinity.
 
     Args:
         space: vector-valued displacement space.

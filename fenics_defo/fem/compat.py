@@ -1,7 +1,8 @@
 """The one place that imports MPI, PETSc and DOLFINx, in the order they need.
 
-DOLFINx comes from PyPI's ``dolfinx-solver-real``, from Debian or from conda-forge: the first wants its own package
-imported before everything else, and all want ``mpi4py.MPI`` loaded before the C++ libraries that link to MPI.
+DOLFINx comes from PyPI's ``dolfinx-solver-real``, from Debian or from conda-forge: the first wants
+its own package imported before everything else, and all want ``mpi4py.MPI`` loaded before the C++
+libraries that link to MPI.
 """
 
 from pathlib import Path
@@ -35,7 +36,8 @@ except ImportError as error:
 if PETSc.ScalarType is not PETSc.RealType:
     raise MissingDependencyError(
         "this DOLFINx is built with complex numbers, and fenics_defo needs the real build: "
-        "`pip uninstall dolfinx-solver dolfinx-solver-complex`, then `pip install dolfinx-solver-real`"
+        "`pip uninstall dolfinx-solver dolfinx-solver-complex`, then "
+        "`pip install dolfinx-solver-real`"
     )
 if tuple(int(part) for part in dolfinx.__version__.split(".")[:2]) != _SUPPORTED:
     raise MissingDependencyError(

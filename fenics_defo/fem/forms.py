@@ -1,4 +1,4 @@
-"""Variational forms of a hyperelastic body: energy, internal force, tangent, mass; each compiled once."""
+"""Variational forms of a hyperelastic body: energy, internal force, tangent and mass."""
 
 from dataclasses import dataclass
 
@@ -49,8 +49,9 @@ class QuadratureDegrees:
 def default_degrees(kind: str, order: int, mesh_order: int) -> QuadratureDegrees:
     """Degrees for a cell kind, the order of the displacements and that of the geometry.
 
-    They integrate St. Venant-Kirchhoff's tangent and the masses exactly on tetrahedra with straight edges; on
-    hexahedra they are the usual Gauss rules of order + 1 points a direction. Curved cells get a higher rule.
+    They integrate St. Venant-Kirchhoff's energy and the masses exactly on tetrahedra with straight
+    edges; on hexahedra they are the usual Gauss rules of order + 1 points a direction. Curved cells
+    get a higher rule.
     """
     key = (kind, max(order, mesh_order))
     curved = mesh_order > 1

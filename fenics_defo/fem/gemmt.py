@@ -1,9 +1,10 @@
 """A fast triangular matrix product for MUMPS, put in place before PETSc is loaded.
 
-The OpenBLAS of the DOLFINx wheel (0.3.32) carries out ``dgemmt``, in which MUMPS spends most of a symmetric
-factorisation, as one matrix-vector product a column. ``native/gemmt.c`` does the same by blocks of ``dgemm``:
-``workflows/benchmark_modes.py`` shows what it gains. The C compiler that DOLFINx itself needs builds it once into
-DOLFINx's own cache. It is an optimisation only: where anything is missing, OpenBLAS's own routine stays in use.
+The OpenBLAS of the DOLFINx wheel (0.3.32) carries out ``dgemmt``, in which MUMPS spends most of a
+symmetric factorisation, as one matrix-vector product a column. ``native/gemmt.c`` does the same by
+blocks of ``dgemm``: ``workflows/benchmark_modes.py`` shows what it gains. The C compiler that
+DOLFINx itself needs builds it once into DOLFINx's own cache. It is an optimisation only: where
+anything is missing, OpenBLAS's own routine stays in use.
 
 Set ``FENICS_DEFO_GEMMT=0`` in the environment to leave OpenBLAS's routine in place.
 """
@@ -61,12 +62,22 @@ def build(folder: Path | None = None) -> Path:
 
 
 def load(library: Path, openblas: Path) -> ctypes.CDLL:
-    """Load the routine for the whole process, so that PETSc binds to it, over OpenBLAS's ``dgemm``."""
-    blas = ctypes.CDLL(str(openblas))
+    """Load the routine for the whole process, so that PETSc binds to it.
+
+    Args:
+        library: what `build` returned.
+        openblas: the library whose ``dgemm`` it calls.
+
+    Raises:
+        OSError: one of the two cannot be loaded.
+        AttributeError: one of the two lacks its routine.
+    """
+    # Looked up first: a routine that is visible to PETSc but lacks its dgemm would crash.
+    dgemm = ctypes.cast(ctypes.CDLL(str(openblas)).dgemm_, ctypes.c_void_p)
     fast = ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
     fast.fenics_defo_set_dgemm.argtypes = [ctypes.c_void_p]
     fast.fenics_defo_set_dgemm.restype = None
-    fast.fenics_defo_set_dgemm(ctypes.cast(blas.dgemm_, ctypes.c_void_p))
+    fast.fenics_defo_set_dgemm(dgemm)
     return fast
 
 
@@ -86,7 +97,7 @@ def install(libraries: Path) -> bool:
         return False
     try:
         load(build(), openblas)
-    except (OSError, subprocess.SubprocessError, AttributeError) as error:
+    except (OSError, subprocess.SubprocessError, AttributeError, RuntimeError) as error:
         _log.info("OpenBLAS's own dgemmt stays in use: %s", error)
         return False
     return True

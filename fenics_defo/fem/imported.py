@@ -1,4 +1,4 @@
-"""A DOLFINx mesh that remembers its file: the numbers of its nodes and cells, its groups, its materials."""
+"""A DOLFINx mesh that remembers its file: numbers of nodes and cells, groups, materials."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from fenics_defo.energy import Material
 from fenics_defo.fem.compat import dolfinx
+from fenics_defo.fem.input_order import input_nodes
+
+__all__ = ["EntityGroup", "ImportedMesh", "MeshData", "MeshRecord", "mesh_record"]
 
 if TYPE_CHECKING:
     from dolfinx.io.gmsh import MeshData
@@ -19,14 +22,17 @@ else:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntityGroup:
-    """A named and numbered group of a mesh's entities (a physical group of gmsh, a set of Abaqus, ...).
+    """A named and numbered group of a mesh's entities: gmsh's physical group, Abaqus's set, ...
 
     Args:
         name: its name in the file; its number as text where it has none.
         number: its number in the file.
         dimension: 3 for cells, 2 for facets, 1 for edges, 0 for vertices.
-        entities: (k,) int32, this rank's indices of its entities in the DOLFINx mesh, ghosts included.
+        entities: (k,) int32, this rank's indices of its entities in the DOLFINx mesh, ghosts
+            included, ascending.
         size: number of its entities in the file.
+        nodes: (k,) int64, for a set of nodes their rows in the file's list, the same on each
+            rank: ``entities`` cannot hold the mid nodes of second-order cells. None otherwise.
     """
 
     name: str
@@ -34,11 +40,12 @@ class EntityGroup:
     dimension: int
     entities: NDArray[np.int32]
     size: int
+    nodes: NDArray[np.int64] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeshRecord:
-    """What the user's file says beside the mesh itself; the same on each rank but for the groups' entities.
+    """What the user's file says beside the mesh; the same on each rank but for groups' entities.
 
     Args:
         path: the file, None for arrays.
@@ -86,26 +93,26 @@ def _record_of_tags(mesh_data: MeshData) -> MeshRecord:
         1: mesh_data.ridge_tags,
         0: mesh_data.peak_tags,
     }
-    names = {(group.dim, group.tag): name for name, group in mesh_data.physical_groups.items()}
+    physical = mesh_data.physical_groups or {}
+    names = {(group.dim, group.tag): name for name, group in physical.items()}
     groups = []
     for dimension, tag in tags.items():
         local = np.unique(tag.values) if tag is not None else np.empty(0, np.int32)
         for number in sorted(set(np.concatenate(mesh.comm.allgather(local)).tolist())):
             entities = tag.find(number) if tag is not None else np.empty(0, np.int32)
+            owned = mesh.topology.index_map(dimension).size_local
             groups.append(
                 EntityGroup(
-                    name=names.get((dimension, number), str(number)),
+                    name=names.get((dimension, number)) or str(number),
                     number=int(number),
                     dimension=dimension,
                     entities=entities,
-                    size=int(mesh.comm.allreduce(entities.size)),
+                    size=int(mesh.comm.allreduce(int((entities < owned).sum()))),
                 )
             )
-    nodes = mesh.geometry.index_map().size_global
-    cells = mesh.topology.index_map(3).size_global
     return MeshRecord(
         path=None,
-        node_numbers=np.arange(1, nodes + 1),
-        cell_numbers=np.arange(1, cells + 1),
+        node_numbers=1 + input_nodes(mesh),
+        cell_numbers=np.arange(1, 1 + mesh.topology.index_map(3).size_global),
         groups=tuple(groups),
     )

@@ -26,8 +26,7 @@ _OUT_OF_MEMORY = (-9, -13)
 
 
 class Factorization:
-    """MUMPS's factorisation of a symmetric matrix, for many right-hand sides. Collective; use in
-    ``with``.
+    """MUMPS's factors of a symmetric matrix; use in ``with``. Collective.
 
     Args:
         matrix: assembled symmetric matrix; not kept.
@@ -140,12 +139,13 @@ def _dense(like: PETSc.Mat, block: Array) -> PETSc.Mat:
 def _failure(status: int, detail: int, size: int) -> str:
     if status in _OUT_OF_MEMORY:
         return (
-            f"memory ran out while factorising {size} degrees of freedom (MUMPS {status}, {detail}); "
-            "use a coarser mesh or order 1, or the iterative solver (--solver iterative, solver='iterative')"
+            f"memory ran out while factorising {size} degrees of freedom (MUMPS {status}, "
+            f"{detail}); use a coarser mesh, order 1, or the iterative solver (--solver iterative)"
         )
     if status == -10:
         return (
-            f"the stiffness of {size} degrees of freedom is singular (MUMPS -10, {detail}): a part of the body can "
-            "move without resistance; hold it, or check the mesh for parts that share no nodes"
+            f"the stiffness of {size} degrees of freedom is singular (MUMPS -10, {detail}): a part "
+            "of the body can move without resistance; hold it, or check the mesh for parts that "
+            "share no nodes"
         )
     return f"MUMPS could not factorise {size} degrees of freedom (error {status}, {detail})"

@@ -2,15 +2,22 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+import ufl
 from numpy.typing import NDArray
+from ufl.algorithms.signature import compute_expression_signature
+from ufl.core.expr import Expr
 
 from fenics_defo.energy import Material
 from fenics_defo.errors import MaterialError
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.imported import MeshData, mesh_record
+from fenics_defo.fem.input_order import cell_rows
 from fenics_defo.fem.regions import describe_groups, select_entities
+
+_GRADIENT = ufl.variable(ufl.Identity(3))
 
 type Materials = Material | Mapping[str | int | None, Material]
 
@@ -49,7 +56,8 @@ class MaterialFields:
 def lay_materials(mesh_data: MeshData, materials: Materials) -> MaterialFields:
     """Lay one material, or one a region, over a mesh.
 
-    Collective. Where regions overlap the later one of the mapping holds; the key None means all cells.
+    Collective. Where regions overlap the later one of the mapping holds; the key None, wherever
+    it stands, means all cells that no region has.
 
     Args:
         mesh_data: mesh.
@@ -62,29 +70,40 @@ def lay_materials(mesh_data: MeshData, materials: Materials) -> MaterialFields:
         MaterialError: cells without material, or a cell field of the wrong length.
         SelectionError: a region that the mesh does not have.
     """
-    mesh = mesh_data.mesh
-    by_region = {None: materials} if isinstance(materials, Material) else dict(materials)
-    if not by_region:
-        raise MaterialError("a body needs a material, got an empty mapping")
+    mesh, by_region = mesh_data.mesh, _by_region(materials)
     index_map = mesh.topology.index_map(3)
     count = index_map.size_local + index_map.num_ghosts
     choice = np.full(count, -1)
-    for place, (region, material) in enumerate(by_region.items()):
-        if not isinstance(material, Material):
-            raise MaterialError(
-                f"the material of region {region!r} must be a material such as "
-                f"NeoHookean(young=..., poisson=..., density=...), got {material!r}"
-            )
+    for place, region in enumerate(by_region):
         cells = slice(None) if region is None else select_entities(mesh_data, region, dimension=3)
         choice[cells] = place
     uncovered = mesh.comm.allreduce(int((choice[: index_map.size_local] < 0).sum()))
     if uncovered:
         raise MaterialError(
             f"{uncovered} of {index_map.size_global} cells have no material; the mesh has "
-            f"{describe_groups(mesh_record(mesh_data).groups)}. Name the missing regions, or give a "
-            "material for all other cells (in a file: a [[material]] without region; in Python: the key None)"
+            f"{describe_groups(mesh_record(mesh_data).groups)}. Name the missing regions, or give "
+            "a material for all other cells (in a file: a [[material]] without region; in Python: "
+            "the key None)"
         )
     return _fields(mesh, list(by_region.values()), choice)
+
+
+def _by_region(materials: Materials) -> dict[str | int | None, Material]:
+    """The checked mapping, with the material of all other cells in front."""
+    if isinstance(materials, Material):
+        return {None: materials}
+    if not isinstance(materials, Mapping) or not materials:
+        raise MaterialError(
+            "a body needs a material such as NeoHookean(young=..., poisson=..., density=...), or a "
+            f"mapping of regions to materials, got {materials!r}"
+        )
+    for region, material in materials.items():
+        if not isinstance(material, Material):
+            raise MaterialError(
+                f"the material of region {region!r} must be a material such as "
+                f"NeoHookean(young=..., poisson=..., density=...), got {material!r}"
+            )
+    return dict(sorted(materials.items(), key=lambda item: item[0] is not None))
 
 
 def _fields(
@@ -120,9 +139,27 @@ def _fields(
     return MaterialFields(tuple(regions), density)
 
 
-def _law(material: Material) -> object:
-    """What two materials share when they have the same energy function: their class, or the user's function."""
-    return (type(material), getattr(material, "function", None), tuple(material.parameters))
+def _law(material: Material) -> tuple[tuple[str, ...], str]:
+    """What two materials share when they have the same energy function: the function's formula.
+
+    Their class is not enough: a user's own may keep a direction, say, outside of `parameters`.
+    """
+    symbols = {name: _symbol(name) for name in material.parameters}
+    energy = ufl.as_ufl(material.strain_energy(_GRADIENT, symbols))
+    return tuple(symbols), compute_expression_signature(energy, _Names())
+
+
+class _Names(dict[object, str]):
+    """Names by which UFL's signature calls variables and functions: those of the very objects."""
+
+    def __missing__(self, key: object) -> str:
+        return repr(key)
+
+
+@cache
+def _symbol(name: str) -> Expr:
+    """The same symbol each time for a parameter of that name; its number is never used."""
+    return ufl.variable(ufl.as_ufl(1.0))
 
 
 def _lame(material: Material) -> tuple[float | NDArray, float | NDArray] | None:
@@ -142,7 +179,7 @@ def _field(
 ) -> "dolfinx.fem.Function":
     """Cell-wise constant function that has in the cells of each choice that choice's value."""
     field = dolfinx.fem.Function(space)
-    original = space.mesh.topology.original_cell_index
+    rows = cell_rows(space.mesh)
     count = space.mesh.topology.index_map(3).size_global
     dofs = space.dofmap.list[:, 0]
     for place, value in values.items():
@@ -150,10 +187,11 @@ def _field(
         if np.ndim(value) == 0:
             field.x.array[dofs[cells]] = value
             continue
-        if len(np.asarray(value)) != count:
+        numbers = np.asarray(value)
+        if len(numbers) != count:
             raise MaterialError(
-                f"a material's cell field has {len(np.asarray(value))} values, and the mesh has "
-                f"{count} cells; give one value a cell, in the order of the mesh file"
+                f"a material's cell field has {len(numbers)} values, and the mesh has {count} "
+                "cells; give one value a cell of the whole mesh, in the order of the mesh file"
             )
-        field.x.array[dofs[cells]] = np.asarray(value)[original[cells]]
+        field.x.array[dofs[cells]] = numbers[rows[cells]]
     return field

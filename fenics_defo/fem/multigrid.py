@@ -44,7 +44,8 @@ class MultigridSolver:
     ) -> None:
         self._matrix = matrix.convert("aij", PETSc.Mat())
         self._matrix.setBlockSize(3)
-        self._scale_held_rows(free)
+        self._free = free
+        self._scale_held_rows()
         self._matrix.setOption(PETSc.Mat.Option.SPD, True)
         vectors = _orthonormal([self._vector(column) for column in near_kernel.T])
         kernel = PETSc.NullSpace().create(vectors=vectors, comm=matrix.getComm())
@@ -63,7 +64,7 @@ class MultigridSolver:
         self.iterations = 0
 
     def solve(self, right_sides: Array) -> Array:
-        """Solve for a block of right-hand sides (owned dofs, b), in Fortran order.
+        """Solve for a block of right-hand sides (owned dofs, b), zero at held components.
 
         Raises:
             SolverError: the iteration did not converge.
@@ -78,6 +79,7 @@ class MultigridSolver:
             solution[:, column] = x.array
         b.destroy()
         x.destroy()
+        solution[~self._free] = 0.0  # the smoothers leave traces in it
         return solution
 
     def _check_converged(self) -> None:
@@ -94,13 +96,13 @@ class MultigridSolver:
                 "solver (--solver lanczos, solver='lanczos'), or improve the mesh's slivers"
             )
 
-    def _scale_held_rows(self, free: NDArray[np.bool_]) -> None:
+    def _scale_held_rows(self) -> None:
         """Give held rows the size of the others: a tiny diagonal misleads the smoothers."""
         diagonal = self._matrix.getDiagonal()
         values = diagonal.array.copy()
-        total = self._matrix.getComm().tompi4py().allreduce(values[free].sum())
-        count = self._matrix.getComm().tompi4py().allreduce(int(free.sum()))
-        values[~free] = total / count
+        total = self._matrix.getComm().tompi4py().allreduce(values[self._free].sum())
+        count = self._matrix.getComm().tompi4py().allreduce(int(self._free.sum()))
+        values[~self._free] = total / count
         diagonal.array[:] = values
         self._matrix.setDiagonal(diagonal)
         diagonal.destroy()

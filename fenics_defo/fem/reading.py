@@ -1,14 +1,17 @@
 """From a mesh file, or arrays, to a DOLFINx mesh on any number of ranks."""
 
 import logging
+from collections.abc import Callable
 from pathlib import Path
 
 from mpi4py import MPI
+
 from numpy.typing import ArrayLike
 
 from fenics_defo.fem.compat import dolfinx  # noqa: F401  (MPI and DOLFINx load in the right order)
-from fenics_defo.fem.distribution import distribute, on_first_rank
+from fenics_defo.fem.distribution import distribute, without_arrays
 from fenics_defo.fem.imported import ImportedMesh
+from fenics_defo.fem.ranks import on_first_rank
 from fenics_defo.fem.sources import SourceMesh, read_source, source_from_arrays
 
 _log = logging.getLogger(__name__)
@@ -21,25 +24,27 @@ def read_mesh(
     merge: float | None = None,
     comm: MPI.Comm = MPI.COMM_WORLD,
 ) -> ImportedMesh:
-    """Read and check a mesh of tetrahedra or hexahedra, order 1 or 2, or fill a surface or CAD body.
+    """Read a mesh of tetrahedra or hexahedra, order 1 or 2, or fill a surface or CAD body.
 
-    Formats: gmsh ``.msh`` (2.2, 4.1), ``.vtu``, ``.vtk``, ``.xdmf``, Abaqus ``.inp``, TetGen ``.node``/``.ele``, Medit
-    ``.mesh``, Vega ``.veg``; closed surfaces ``.stl``, ``.obj``, ``.ply`` and CAD ``.step``, ``.brep``, ``.iges``, which
-    gmsh fills with tetrahedra. Rank 0 reads. Collective on ``comm``.
+    Formats: gmsh ``.msh`` (2.2, 4.1), ``.vtu``, ``.vtk``, ``.xdmf``, Abaqus ``.inp``, TetGen
+    ``.node``/``.ele``, Medit ``.mesh``, Vega ``.veg``; closed surfaces ``.stl``, ``.obj``, ``.ply``
+    and CAD ``.step``, ``.brep``, ``.iges``, which gmsh fills with tetrahedra. The mesh is checked.
+    Rank 0 reads. Collective on ``comm``.
 
     Args:
         path: mesh file.
         size: edge length [m] of the tetrahedra that fill a surface or CAD body.
-        merge: merge nodes that lie closer than this [m]; a seam of duplicate nodes is only reported if not given.
+        merge: merge nodes that lie closer than this [m]; a seam of duplicate nodes is only reported
+            if not given.
         comm: communicator of the mesh.
 
     Returns:
-        DOLFINx's ``MeshData``; its ``record`` keeps the file's numbering, groups, materials and notes.
+        DOLFINx's ``MeshData``; its ``record`` keeps the file's numbers, groups and materials.
 
     Raises:
         MeshError: the file cannot be read, or cannot carry a computation; on each rank.
     """
-    return _distributed(comm, on_first_rank(comm, lambda: read_source(path, size=size, merge=merge)))
+    return _imported(comm, lambda: read_source(path, size=size, merge=merge))
 
 
 def build_mesh(
@@ -65,13 +70,11 @@ def build_mesh(
     Raises:
         MeshError: the arrays cannot carry a computation; on each rank.
     """
-    source = on_first_rank(
-        comm, lambda: source_from_arrays(points, cells, kind=kind, merge=merge)
-    )
-    return _distributed(comm, source)
+    return _imported(comm, lambda: source_from_arrays(points, cells, kind=kind, merge=merge))
 
 
-def _distributed(comm: MPI.Comm, source: SourceMesh) -> ImportedMesh:
+def _imported(comm: MPI.Comm, read: Callable[[], SourceMesh]) -> ImportedMesh:
+    source = on_first_rank(comm, read, for_others=without_arrays)
     if comm.rank == 0:
         for note in source.notes:
             _log.warning("%s", note)

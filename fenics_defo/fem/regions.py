@@ -2,14 +2,18 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.errors import SelectionError
 from fenics_defo.fem.compat import dolfinx
-from fenics_defo.fem.imported import EntityGroup, MeshData, mesh_record
+from fenics_defo.fem.entities import all_entities, corner_nodes
+from fenics_defo.fem.imported import EntityGroup, MeshData, MeshRecord, mesh_record
+from fenics_defo.fem.input_order import node_rows
 from fenics_defo.fem.nodes import NodeNumbering
+from fenics_defo.fem.ranks import on_first_rank
 from fenics_defo.fem.selection import (
     ComparisonSelection,
     GroupSelection,
@@ -19,6 +23,7 @@ from fenics_defo.fem.selection import (
 )
 
 _KINDS = {0: "vertex", 1: "edge", 2: "facet", 3: "volume"}
+_PLURALS = {0: "vertices", 1: "edges", 2: "facets", 3: "volumes"}
 
 
 def select_nodes(
@@ -29,9 +34,9 @@ def select_nodes(
 ) -> NDArray[np.bool_]:
     """Nodes of a displacement space that a selection means.
 
-    A group means all nodes of its entities; a comparison the nodes whose coordinates fulfil it; a node file the
-    nodes it names and, where order 2 has put nodes between the file's, those between named corners only.
-    Collective.
+    A group means all nodes of its entities; a comparison the nodes whose coordinates fulfil it; a
+    node file, or a group of nodes, the nodes it names and, where order 2 has put nodes between the
+    file's, those between named corners only. Collective.
 
     Args:
         mesh_data: mesh.
@@ -47,19 +52,19 @@ def select_nodes(
     """
     record = mesh_record(mesh_data)
     parsed = parse_selection(selection, groups={group.name for group in record.groups})
+    chosen = np.zeros(numbering.size, bool)
     match parsed:
         case GroupSelection(group):
-            chosen = np.zeros(numbering.size, bool)
             for found in _named(record.groups, group):
-                space.mesh.topology.create_connectivity(found.dimension, 3)
-                dofs = dolfinx.fem.locate_dofs_topological(space, found.dimension, found.entities)
-                chosen[numbering.rows[dofs]] = True
-            space.mesh.comm.Allreduce(MPI.IN_PLACE, chosen, op=MPI.LOR)
+                chosen |= _nodes_of_group(found, space, numbering)
         case ComparisonSelection():
-            chosen = parsed.evaluate(numbering.points, _tolerance(numbering.points))
-            chosen &= numbering.carried
+            chosen |= parsed.evaluate(numbering.points, _tolerance(numbering.points))
         case NodeFileSelection():
-            chosen = _numbered_nodes(parsed, record.node_numbers, numbering)
+            rows = np.flatnonzero(
+                np.isin(record.node_numbers, _numbers(space.mesh, parsed, record))
+            )
+            chosen |= _with_nodes_between(rows, numbering)
+    chosen &= numbering.carried
     if not chosen.any():
         raise _nothing(selection, numbering.points, record.groups, "node")
     return chosen
@@ -70,73 +75,107 @@ def select_entities(
 ) -> NDArray[np.int32]:
     """Vertices, boundary facets or cells of a mesh that a selection means.
 
-    A group gives its own entities of that dimension. A comparison gives vertices and boundary facets all of whose
-    corners fulfil it, and cells whose midpoint does; a node file, entities all of whose corners it names.
-    Collective.
+    A group gives its own entities of that dimension. A comparison gives vertices and boundary
+    facets all of whose corners fulfil it, and cells whose midpoint does; a node file, entities all
+    of whose corners it names. Collective.
 
     Args:
         mesh_data: mesh.
         selection: group name or number, comparison of coordinates, or ``nodes:FILE``.
-        dimension: 0 vertices, 2 facets, 3 cells.
+        dimension: 0 vertices, 1 edges, 2 facets, 3 cells.
 
     Returns:
-        (k,) this rank's entities, ghosts included, ascending.
+        (k,) this rank's entities, ascending.
 
     Raises:
         SelectionError: not well formed, no such group, or nothing selected on any rank.
     """
     mesh, record = mesh_data.mesh, mesh_record(mesh_data)
     parsed = parse_selection(selection, groups={group.name for group in record.groups})
-    if isinstance(parsed, GroupSelection):
-        groups = [g for g in _named(record.groups, parsed.group) if g.dimension == dimension]
-        found = np.unique(np.concatenate([g.entities for g in groups] or [np.empty(0, np.int32)]))
-    else:
-        entities = _candidates(mesh, dimension)
-        corners = dolfinx.mesh.entities_to_geometry(mesh, dimension, entities)
-        x = mesh.geometry.x
-        if isinstance(parsed, NodeFileSelection):
-            numbers = record.node_numbers[mesh.geometry.input_global_indices]
-            inside = np.isin(numbers, parsed.read())[corners].all(axis=1)
-        else:
-            tolerance = _tolerance(*_corners_of_box(mesh))
-            inside = (
-                parsed.evaluate(x[corners].mean(axis=1), tolerance)
-                if dimension == 3
-                else parsed.evaluate(x, tolerance)[corners].all(axis=1)
-            )
-        found = entities[inside]
-    if mesh.comm.allreduce(found.size) == 0:
-        points = np.vstack(_corners_of_box(mesh))
-        raise _nothing(selection, points, record.groups, _KINDS[dimension])
+    match parsed:
+        case GroupSelection(group):
+            mine = [g for g in _named(record.groups, group) if g.dimension == dimension]
+            parts = [np.empty(0, np.int32), *(g.entities for g in mine)]
+            found = np.unique(np.concatenate(parts))
+        case ComparisonSelection():
+            entities, corners = _candidates(mesh, dimension)
+            x, tolerance = mesh.geometry.x, _tolerance(_corners_of_box(mesh))
+            if dimension == 3:
+                found = entities[parsed.evaluate(x[corners].mean(axis=1), tolerance)]
+            else:
+                found = entities[parsed.evaluate(x, tolerance)[corners].all(axis=1)]
+        case NodeFileSelection():
+            entities, corners = _candidates(mesh, dimension)
+            named = np.isin(record.node_numbers, _numbers(mesh, parsed, record))
+            found = entities[named[node_rows(mesh)][corners].all(axis=1)]
+    if mesh.comm.allreduce(int(found.size)) == 0:
+        raise _nothing(selection, _corners_of_box(mesh), record.groups, _KINDS[dimension])
     return found.astype(np.int32)
 
 
-def _candidates(mesh: "dolfinx.mesh.Mesh", dimension: int) -> NDArray[np.int32]:
-    mesh.topology.create_entities(dimension)
-    mesh.topology.create_connectivity(dimension, 3)
+def describe_groups(groups: Sequence[EntityGroup]) -> str:
+    """The groups of a mesh in one phrase, for messages."""
+    if not groups:
+        return "no groups at all"
+    shown = [
+        f"{g.name!r} ({g.number}, {g.size} {(_KINDS if g.size == 1 else _PLURALS)[g.dimension]})"
+        for g in groups[:20]
+    ]
+    more = f" and {len(groups) - 20} more" if len(groups) > 20 else ""
+    return ", ".join(shown) + more
+
+
+def _nodes_of_group(
+    group: EntityGroup, space: "dolfinx.fem.FunctionSpace", numbering: NodeNumbering
+) -> NDArray[np.bool_]:
+    if group.nodes is not None:
+        return _with_nodes_between(group.nodes, numbering)
+    space.mesh.topology.create_connectivity(group.dimension, 3)
+    dofs = dolfinx.fem.locate_dofs_topological(space, group.dimension, group.entities)
+    chosen = np.zeros(numbering.size, bool)
+    chosen[numbering.rows[dofs]] = True
+    space.mesh.comm.Allreduce(MPI.IN_PLACE, chosen, op=MPI.LOR)
+    return chosen
+
+
+def _with_nodes_between(rows: NDArray[np.int64], numbering: NodeNumbering) -> NDArray[np.bool_]:
+    """(n,) the file's nodes in ``rows`` and the appended nodes between those that are corners."""
+    chosen = np.zeros(numbering.size, bool)
+    chosen[rows] = True
+    if numbering.size > numbering.file_nodes:
+        appended = np.arange(numbering.size) >= numbering.file_nodes
+        outside = numbering.corner_weights @ (~chosen).astype(float)
+        chosen |= appended & (outside == 0.0)
+    return chosen
+
+
+def _candidates(
+    mesh: "dolfinx.mesh.Mesh", dimension: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """All cells, boundary facets, edges or vertices of this rank, and their corners (k, v)."""
+    entities = all_entities(mesh, dimension)
     if dimension == 2:
         mesh.topology.create_connectivity(2, 3)
-        return np.sort(dolfinx.mesh.exterior_facet_indices(mesh.topology))
-    index_map = mesh.topology.index_map(dimension)
-    return np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
+        entities = np.sort(dolfinx.mesh.exterior_facet_indices(mesh.topology))
+    return entities, corner_nodes(mesh, dimension, entities)
 
 
-def _corners_of_box(mesh: "dolfinx.mesh.Mesh") -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _corners_of_box(mesh: "dolfinx.mesh.Mesh") -> NDArray[np.float64]:
+    """(2, 3) smallest and largest coordinates of the nodes on all ranks."""
     x = mesh.geometry.x
-    low = np.min(x, axis=0) if len(x) else np.full(3, np.inf)
-    high = np.max(x, axis=0) if len(x) else np.full(3, -np.inf)
+    low = np.min(x, axis=0, initial=np.inf)
+    high = np.max(x, axis=0, initial=-np.inf)
     mesh.comm.Allreduce(MPI.IN_PLACE, low, op=MPI.MIN)
     mesh.comm.Allreduce(MPI.IN_PLACE, high, op=MPI.MAX)
-    return low, high
+    return np.array([low, high])
 
 
-def _tolerance(*points: NDArray[np.float64]) -> float:
-    every = np.vstack(points)
-    return equality_tolerance(every.min(axis=0), every.max(axis=0))
+def _tolerance(points: NDArray[np.float64]) -> float:
+    return equality_tolerance(points.min(axis=0), points.max(axis=0))
 
 
 def _named(groups: Sequence[EntityGroup], wanted: str | int) -> list[EntityGroup]:
-    found = [g for g in groups if wanted in ((g.number,) if isinstance(wanted, int) else (g.name,))]
+    found = [g for g in groups if wanted == (g.number if isinstance(wanted, int) else g.name)]
     if not found:
         raise SelectionError(
             f"the mesh has no group {wanted!r}; it has {describe_groups(groups)}. "
@@ -145,31 +184,19 @@ def _named(groups: Sequence[EntityGroup], wanted: str | int) -> list[EntityGroup
     return found
 
 
-def describe_groups(groups: Sequence[EntityGroup]) -> str:
-    """The groups of a mesh in one phrase, for messages."""
-    if not groups:
-        return "no groups at all"
-    shown = [f"{g.name!r} ({g.number}, {g.size} {_KINDS[g.dimension]}s)" for g in groups[:20]]
-    more = f" and {len(groups) - 20} more" if len(groups) > 20 else ""
-    return ", ".join(shown).replace("vertexs", "vertices") + more
-
-
-def _numbered_nodes(
-    selection: NodeFileSelection, node_numbers: NDArray[np.int64], numbering: NodeNumbering
-) -> NDArray[np.bool_]:
-    wanted = selection.read()
-    unknown = np.setdiff1d(wanted, node_numbers)
+def _numbers(
+    mesh: "dolfinx.mesh.Mesh", selection: NodeFileSelection, record: MeshRecord
+) -> NDArray[np.int64]:
+    """Content of the node file, which rank 0 reads, checked against the mesh; collective."""
+    wanted = on_first_rank(mesh.comm, selection.read)
+    unknown = np.setdiff1d(wanted, record.node_numbers)
     if unknown.size:
+        others = f" nor {unknown.size - 1} others of the list" if unknown.size > 1 else ""
         raise SelectionError(
-            f"{selection.path}: the mesh has no node {unknown[0]}"
-            f"{'' if unknown.size == 1 else f' nor {unknown.size - 1} others of the list'}; "
-            f"its nodes are numbered {node_numbers.min()} to {node_numbers.max()}"
+            f"{selection.path}: the mesh has no node {unknown[0]}{others}; its nodes are numbered "
+            f"{record.node_numbers.min()} to {record.node_numbers.max()}"
         )
-    chosen = np.zeros(numbering.size, bool)
-    chosen[: len(node_numbers)] = np.isin(node_numbers, wanted)
-    appended = np.arange(numbering.size) >= len(node_numbers)
-    outside = numbering.corner_weights @ (~chosen).astype(float)
-    return (chosen | (appended & (outside == 0.0))) & numbering.carried
+    return wanted
 
 
 def _nothing(

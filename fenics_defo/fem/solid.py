@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
@@ -27,7 +28,7 @@ class Fixed:
 
     Args:
         region: selection (group name or number, comparison, ``nodes:FILE``).
-        components: some of "xyz".
+        components: some of "xyz", as text or as a list of letters.
 
     Raises:
         SelectionError: ``components`` is empty or names something else.
@@ -37,7 +38,9 @@ class Fixed:
     components: str = "xyz"
 
     def __post_init__(self) -> None:
-        if not self.components or set(self.components) - set("xyz"):
+        if not isinstance(self.components, str | list | tuple) or (
+            not self.components or not all(c in ("x", "y", "z") for c in self.components)
+        ):
             raise SelectionError(
                 f"the components of a constraint must be some of 'x', 'y', 'z', got "
                 f"{self.components!r}; write 'xyz' to hold a region altogether"
@@ -47,9 +50,10 @@ class Fixed:
 class Solid:
     """A hyperelastic body on a mesh, held at selected nodes, in any deformed configuration.
 
-    Displacements, forces and masses go in and out as arrays over the nodes in the order of the user's file (then
-    the nodes that order 2 appends). Each form is compiled on first use and kept. All methods are collective on
-    the mesh's communicator and give the same numbers on each rank.
+    Displacements, forces and masses go in and out as arrays over the nodes in the order of the
+    user's file (then the nodes that order 2 appends). Each form is compiled on first use and kept.
+    All methods are collective on the mesh's communicator, take the same arrays on each rank and
+    give the same numbers there.
 
     Args:
         mesh_data: what ``read_mesh``, ``build_mesh`` or DOLFINx's gmsh reader returned.
@@ -76,26 +80,25 @@ class Solid:
     ) -> None:
         mesh = mesh_data.mesh
         kind = mesh.topology.cell_name()
-        if kind not in ("tetrahedron", "hexahedron") or mesh.geometry.cmap.degree > 2:
+        if kind not in ("tetrahedron", "hexahedron") or mesh.geometry.cmaps[0].degree > 2:
             raise MeshError(
                 f"a body needs tetrahedra or hexahedra of order 1 or 2, got {kind} cells of order "
-                f"{mesh.geometry.cmap.degree}"
+                f"{mesh.geometry.cmaps[0].degree}"
             )
         if order not in (1, 2):
             raise DefoError(f"order must be 1 or 2, got {order!r}")
-        if isinstance(fixed, str | int | Fixed):
-            fixed = (fixed,)
+        constraints = [fixed] if isinstance(fixed, str | int | Fixed) else list(fixed)
         self.mesh_data = mesh_data
         self.record: MeshRecord = mesh_record(mesh_data)
         self.order = order
         self.materials = material
         self.space = dolfinx.fem.functionspace(mesh, ("Lagrange", order, (3,)))
         self.nodes: NodeNumbering = number_nodes(self.space, mesh.topology.index_map(3).size_global)
-        self.held: NDArray[np.bool_] = self._held(fixed)
+        self.held: NDArray[np.bool_] = self._held(constraints)
         self._forms = body_forms(
             self.space,
             lay_materials(mesh_data, material),
-            degrees or default_degrees(kind, order, mesh.geometry.cmap.degree),
+            degrees or default_degrees(kind, order, mesh.geometry.cmaps[0].degree),
         )
 
     def _held(self, fixed: Sequence[str | int | Fixed]) -> NDArray[np.bool_]:
@@ -199,7 +202,7 @@ class Solid:
     def _gather_matrix(
         self, entries: tuple[NDArray[np.int64], NDArray[np.int64], Array]
     ) -> sparse.csr_array:
-        """All ranks' entries, given by the space's global dofs, as one matrix in the user's order."""
+        """All ranks' entries, by the space's global dofs, as one matrix in the user's order."""
         nodes = self.nodes.global_rows
         dofs = (3 * nodes[:, None] + np.arange(3)).ravel()
         rows, columns, values = (

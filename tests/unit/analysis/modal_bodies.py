@@ -15,8 +15,8 @@ Ints = NDArray[np.int64]
 
 STEEL = LinearElastic(young=2.0e11, poisson=0.3, density=7800.0)
 
-_CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
-_HEXAHEDRON = np.vstack([_CORNERS, _CORNERS + [0, 0, 1]])  # VTK's order
+_SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+_HEXAHEDRON = np.array([(x, y, z) for z in (0, 1) for x, y in _SQUARE])  # VTK's order
 # Kuhn's six tetrahedra of a cube: all share the diagonal from corner 0 to corner 6.
 _TETRAHEDRA = np.array(
     [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]

@@ -1,0 +1,65 @@
+"""``fenics-defo``: what is done with files of ours besides computing modes."""
+
+import sys
+from argparse import Namespace
+
+from fenics_defo import __version__
+from fenics_defo.cli.command import Parser, Run, number, run
+
+
+def build_parser() -> Parser:
+    """Return the parser of the command line."""
+    parser = Parser(prog="fenics-defo", description="Deformable solids: tools for their files.")
+    parser.add_argument("--version", action="version", version=f"fenics_defo {__version__}")
+    commands = parser.add_subparsers(
+        title="commands", dest="command", metavar="COMMAND", required=True, parser_class=Parser
+    )
+    what = "what a mesh file or a file of modes holds"
+    info = commands.add_parser(
+        "info",
+        help=what,
+        description=f"Tell {what}.\n\n"
+        "Of a mesh: nodes, cells, size, volume, groups, materials, pieces, quality of the\n"
+        "cells, and what reading changed or noticed. Of modes: their table.",
+        epilog="Examples\n  fenics-defo info bracket.step --size 0.004\n"
+        "  fenics-defo info modes.npz --json",
+    )
+    info.add_argument("file", metavar="FILE", help="mesh in any format that is read, or modes.npz")
+    info.add_argument(
+        "--size",
+        type=number,
+        metavar="H",
+        help="edge length [m] of the tetrahedra that fill a surface or a CAD solid",
+    )
+    info.add_argument("--json", action="store_true", help="print one JSON object")
+    return parser
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command and return its exit status.
+
+    Args:
+        argv: arguments; those of the process if not given.
+    """
+    try:
+        options = build_parser().parse_args(argv)
+    except SystemExit as leaving:  # --help, --version, or an error already told
+        return int(leaving.code or 0)
+    return run("fenics-defo", lambda current: _work(options, current))
+
+
+def _work(options: Namespace, current: Run) -> None:
+    if not current.is_first:  # started by mpiexec: nothing here needs several processes
+        return
+    # Late imports: they load NumPy and, for a mesh, DOLFINx and its company.
+    from fenics_defo.cli.progress import progress_shown
+
+    with progress_shown(show=not options.json) as progress:
+        progress.start("read")
+        from fenics_defo.cli.info import print_info
+
+        print_info(options.file, size=options.size, as_json=options.json, progress=progress)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,52 @@
+"""What a file holds: modes or a mesh, told by its content rather than by its name."""
+
+import json
+import sys
+from pathlib import Path
+
+from fenics_defo.cli.modes_info import modes_record, modes_text
+from fenics_defo.cli.output import can_style, libraries_on_stderr, loading_libraries, write_text
+from fenics_defo.cli.progress import Progress
+from fenics_defo.runtime import load_modes
+
+_ZIP = b"PK\x03\x04"  # how an .npz file begins
+
+
+def print_info(file: str, *, size: float | None, as_json: bool, progress: Progress) -> None:
+    """Print what ``file`` holds; a file of modes needs NumPy only.
+
+    Args:
+        file: mesh or modes.
+        size: edge length of the tetrahedra that fill a surface or solid [m].
+        as_json: print one JSON object.
+        progress: display to be taken away before printing.
+
+    Raises:
+        DefoError: the file is neither, or at fault.
+    """
+    style = can_style(sys.stdout) and not as_json
+    with libraries_on_stderr():
+        if _is_archive(file):
+            modes = load_modes(file)
+            record = modes_record(file, modes)
+            text = "" if as_json else modes_text(file, modes, style=style)
+        else:
+            # Late, because it needs DOLFINx and its company, which a file of modes does not.
+            with loading_libraries():
+                from fenics_defo.cli.mesh_info import mesh_record, mesh_text
+
+            record = mesh_record(file, size=size)
+            text = "" if as_json else mesh_text(record)
+    progress.stop()
+    write_text(sys.stdout, json.dumps(record, allow_nan=False) + "\n" if as_json else text)
+
+
+def _is_archive(file: str) -> bool:
+    path = Path(file)
+    if path.suffix.lower() == ".npz":
+        return True
+    try:
+        with path.open("rb") as stream:
+            return stream.read(len(_ZIP)) == _ZIP
+    except (OSError, ValueError):  # the reader of meshes says what is wrong
+        return False

@@ -1,0 +1,169 @@
+"""The same bodies on any number of ranks: ``python bodies_on_ranks.py FILE.npz`` keeps numbers."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import gettempdir
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo import fem
+from fenics_defo.energy import HyperelasticEnergy, NeoHookean, StVenantKirchhoff
+from fenics_defo.fem.compat import MPI, dolfinx
+from fenics_defo.fem.imported import MeshData, mesh_record
+from fenics_defo.fem.ranks import on_first_rank
+from tests.unit.fem.fem_bodies import (
+    CELLS,
+    MODULI,
+    NEO,
+    SVK,
+    bend,
+    box,
+    mesh_of,
+    source,
+    tapered,
+    usual_groups,
+)
+
+Array = NDArray[Any]
+COMM = MPI.COMM_WORLD
+
+
+def on_all_ranks(values: Any) -> Array:
+    """The values, which must be the same on each rank."""
+    array = np.asarray(values)
+    for other in COMM.allgather(array):
+        np.testing.assert_array_equal(other, array)
+    return array
+
+
+def numbers(solid: fem.Solid) -> dict[str, Array]:
+    """Everything a body gives, at a bent displacement."""
+    u = bend(solid)
+    held = solid.nodes.scatter(solid.held)
+    K, M = solid.assembly.stiffness_matrix(diagonal=5.0), solid.assembly.mass_matrix()
+    norms = [K.norm(), M.norm(), K.getDiagonal().norm(), M.getDiagonal().norm()]
+    K.destroy()
+    M.destroy()
+    assert solid.assembly.owned == solid.nodes.owned <= len(held)
+    found = {
+        **{"points": solid.points, "cells": solid.cells, "held": solid.held},
+        **{"energy": solid.energy(u), "force": solid.internal_force(u), "norms": norms},
+        **{"tangent": solid.tangent(u).toarray(), "rest": solid.tangent().toarray()},
+        **{"mass": solid.mass().toarray(), "lumped": solid.lumped_mass()},
+        "total": solid.total_mass(),
+        "back": solid.nodes.gather(solid.nodes.scatter(u))[solid.nodes.carried],
+    }
+    np.testing.assert_array_equal(found["back"], u[solid.nodes.carried])
+    return {name: on_all_ranks(value) for name, value in found.items()}
+
+
+def bodies() -> dict[str, dict[str, Array]]:
+    """Each kind of cell and order; regions, fields, held components, groups of all dimensions."""
+    found = {}
+    fixed = ["root", fem.Fixed("9", "y"), fem.Fixed("x>1.99", "yz"), fem.Fixed("pins", "x")]
+    for kind, order, mesh_order in [*CELLS, ("tetrahedron", 1, 2)]:
+        mesh = source(kind, order=mesh_order, mapping=tapered, groups=usual_groups(kind))
+        young = 1e5 + np.arange(len(mesh.cells))
+        material = {"right": NEO, None: NeoHookean(**(MODULI | {"young": young}))}
+        found[f"{kind}-{order}-{mesh_order}"] = numbers(
+            fem.Solid(mesh_of(mesh), material, order=order, fixed=fixed)
+        )
+    mesh = source("tetrahedron", groups=usual_groups("tetrahedron"))
+    found["two-laws"] = numbers(fem.Solid(mesh_of(mesh), {"left": NEO, "right": SVK}))
+    return found
+
+
+def entities() -> dict[str, Array]:
+    """Sorted midpoints of what selections mean, counted once."""
+    mesh_data = mesh_of(source("tetrahedron", groups=usual_groups("tetrahedron")))
+    foreign = MeshData(*mesh_data)  # its record is made from the tags
+    found = {}
+    for name, dimension in [("left", 3), ("x<1", 3), ("root", 2), ("z<1e-9", 2), ("9", 1)]:
+        for data in (mesh_data, foreign):
+            chosen = fem.select_entities(data, name, dimension=dimension)
+            middles = dolfinx.mesh.compute_midpoints(data.mesh, dimension, chosen)
+            every = np.unique(np.round(np.vstack(COMM.allgather(middles)), 9), axis=0)
+            found[f"{name}-{dimension}-{data is foreign}"] = every
+    for data in (mesh_data, foreign):
+        counts = [group.size for group in mesh_record(data).groups]
+        found[f"{data is foreign}-sizes"] = on_all_ranks(counts)
+    return found
+
+
+def one_cell() -> dict[str, Array]:
+    """Fewer cells than ranks."""
+    mesh_data = fem.build_mesh(*box("hexahedron", cells=(1, 1, 1)), kind="hexahedron")
+    return numbers(fem.Solid(mesh_data, NEO, fixed=["x==0"]))
+
+
+def node_file_of_rank_0() -> dict[str, Array]:
+    """The other ranks are given a file that is not there."""
+    folder = Path(gettempdir()) if COMM.rank == 0 else Path("/nowhere")
+    path = folder / "nodes-of-rank-0.bou"
+    if COMM.rank == 0:
+        path.write_text("1, 5, 7")
+    solid = fem.Solid(mesh_of(source("tetrahedron")), SVK, fixed=[f"nodes:{path}"])
+    if COMM.rank == 0:
+        path.unlink()
+    return {"held": on_all_ranks(solid.held)}
+
+
+def failing() -> dict[str, Callable[[], object]]:
+    """Users' mistakes; some of them show on one rank only."""
+    mesh = source("tetrahedron", groups=usual_groups("tetrahedron"))
+    mesh_data = mesh_of(mesh)
+
+    def body(material: Any = SVK, **options: Any) -> fem.Solid:
+        return fem.Solid(mesh_data, material, **options)
+
+    def rank_0_breaks() -> object:
+        return on_first_rank(COMM, lambda: {}["missing"])
+
+    short = StVenantKirchhoff(**(MODULI | {"young": np.ones(4)}))
+    vector = HyperelasticEnergy(lambda F, c: F, {}, density=1.0)
+    return {
+        "missing file": lambda: fem.read_mesh("/nowhere/body.msh"),
+        "flat cell": lambda: fem.build_mesh(np.zeros((4, 3)), np.arange(4)[None]),
+        "no group": lambda: body(fixed=["wall"]),
+        "no node": lambda: body(fixed=["x>7"]),
+        "bad comparison": lambda: body(fixed=["x<"]),
+        "no node file": lambda: body(fixed=["nodes:/nowhere/a.bou"]),
+        "no region": lambda: body({"steel": SVK}),
+        "uncovered": lambda: body({"left": SVK}),
+        "short field": lambda: body({None: SVK, "left": short}),
+        "no scalar": lambda: body(vector),
+        "order": lambda: body(order=3),
+        "shape": lambda: body().energy(np.zeros((2, 3))),
+        "no facet": lambda: fem.select_entities(mesh_data, "x>7", dimension=2),
+        "rank 0 breaks": rank_0_breaks,
+    }
+
+
+def failures() -> dict[str, dict[str, Array]]:
+    """What each rank is told."""
+    found = {}
+    for name, act in failing().items():
+        try:
+            act()
+        except Exception as error:
+            message = f"{type(error).__name__}: {error}"
+        else:
+            message = "no error"
+        found[name] = {"messages": np.array(COMM.allgather(message))}
+    return found
+
+
+def everything() -> dict[str, Array]:
+    """All of the above by flat names."""
+    groups = {"entities": entities(), "one-cell": one_cell(), "file": node_file_of_rank_0()}
+    groups |= bodies() | failures()
+    return {f"{a}/{b}": value for a, values in groups.items() for b, value in values.items()}
+
+
+if __name__ == "__main__":
+    kept = everything()
+    if COMM.rank == 0:
+        np.savez(sys.argv[1], **kept)
