@@ -15,8 +15,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Inertia:
-    """How a body resists its rigid motions r (x, y, z, rx, ry, rz; rotations about the centre of
-    mass).
+    """How a body resists its rigid motions r: x, y, z, and rotations about its centre of mass.
 
     Args:
         total_mass: [kg].

@@ -1,43 +1,30 @@
 """Vibration modes of a body: K φ = ω² M φ, solved, normalised, ordered and checked."""
 
-import logging
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
-
-from mpi4py import MPI
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.analysis.checks import checked_pairs
+from fenics_defo.analysis.deflation import Deflation, orthonormal_in_mass
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.inertia import Inertia, body_inertia
 from fenics_defo.analysis.phases import Phases
-from fenics_defo.analysis.rigid import free_motions
-from fenics_defo.analysis.slepc import krylov_schur
-from fenics_defo.analysis.spectrum import align_clusters, cluster_end, quadratic_fields, signs
-from fenics_defo.errors import DefoError, EigenSolveError
+from fenics_defo.analysis.rigid import strainless_motions, supports
+from fenics_defo.analysis.search import Search, Solver
+from fenics_defo.analysis.spectrum import quadratic_fields, signs
+from fenics_defo.errors import DefoError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.linalg import multiply
 from fenics_defo.runtime import Modes
 
 Array = NDArray[np.float64]
-Solver = Literal["lanczos", "krylov-schur", "iterative"]
-
-_log = logging.getLogger(__name__)
-
-# λ of a rigid motion relative to the estimate of the first elastic one: ω below 1e-4 of it.
-_RIGID = 1e-8
-# The shift of a free body, as a part of that estimate.
+# The shift of a loaded body that is free to move, as a part of the first elastic λ's estimate.
 _SHIFT = 0.05
-# Pairs computed beyond those asked for: they show where a cluster ends and where to count.
-_GUARD = 2
-# λ that differ by less are one eigenvalue, whose vectors may be rotated among each other.
-_SAME = 1e-9
-_ATTEMPTS = 4
-# Error of the shifted and inverted eigenvalues: the residuals stay near the factorisation's
-# round-off.
-_TOLERANCE = 1e-7
-_ITERATIVE_TOLERANCE = 1e-7
+# Residuals that inner solves of 1e-11 leave where the stiffness is uneven or nearly incompressible.
+_ITERATIVE_RESIDUAL = 1e-4
 
 
 def linear_modes(
@@ -48,7 +35,7 @@ def linear_modes(
     solver: Solver = "lanczos",
     keep_rigid: bool = True,
     verify: bool = True,
-    residual_tolerance: float = 1e-6,
+    residual_tolerance: float | None = None,
     cluster_tolerance: float = 1e-4,
     seed: int = 0,
     phases: Phases | None = None,
@@ -56,8 +43,9 @@ def linear_modes(
     """Lowest undamped vibration modes about the rest shape, or about a stable deformed state.
 
     Solves K φ = ω² M φ with K the tangent stiffness and M the consistent mass; held components are
-    eliminated (their eigenvalues lie at infinity). A body with free rigid motions is solved about a
-    small negative shift. Collective on ``solid.comm``; the same result on each rank.
+    eliminated (their eigenvalues lie at infinity). Motions that strain nothing, rigid ones and
+    those about hinges, are known from the mesh and left out of the search. Collective on
+    ``solid.comm``; the same result on each rank.
 
     Args:
         solid: body.
@@ -72,7 +60,9 @@ def linear_modes(
         keep_rigid: keep the rigid modes of a free body, as the first of the list.
         verify: prove by an inertia count of K - σ M above the last mode that none is missing; one
             more factorisation. Not with the iterative solver.
-        residual_tolerance: largest accepted relative residual ‖Kφ - ω²Mφ‖ / ‖ω²Mφ‖ of a mode [-].
+        residual_tolerance: largest accepted relative residual ‖Kφ - ω²Mφ‖ / ‖ω²Mφ‖ of a mode [-];
+            if not given, 1e-4 for the iterative solver, else 1e-6, or thirty times the round-off
+            of Kφ where that is more (long thin bodies on fine meshes), 1e-2 at most.
         cluster_tolerance: relative distance of frequencies that count as equal [-].
         seed: of the random start vectors.
         phases: stopwatch for "assemble", "factorise", "solve", "count".
@@ -87,69 +77,148 @@ def linear_modes(
         SolverError: the stiffness could not be factorised.
     """
     phases = phases or Phases()
+    _check_arguments(solid, displacement, solver, residual_tolerance, cluster_tolerance, seed)
+    with ExitStack() as stack:
+        with phases("assemble"):
+            motions = _strainless(solid, displacement)
+            limit = int(np.count_nonzero(~solid.held & solid.nodes.carried[:, None]))
+            limit -= 0 if keep_rigid else len(motions)
+            if not (isinstance(count, int | np.integer) and 1 <= count <= limit):
+                raise DefoError(
+                    f"count must be a whole number from 1 to {limit}, the motions of this body, "
+                    f"got {count!r}"
+                )
+            body = _assemble(stack, solid, displacement, motions)
+        search = Search(
+            deflation=body.deflation,
+            near_kernel=body.fields[:, :6],
+            scale=body.scale,
+            strainless=len(motions),
+            solver=solver,
+            count=int(count),
+            keep_rigid=keep_rigid,
+            cluster_rtol=2.0 * cluster_tolerance,
+            seed=seed,
+            phases=phases,
+        )
+        pairs, complete = search.run(verify=verify and solver != "iterative")
+        tolerance = residual_tolerance
+        if tolerance is None and solver == "iterative":
+            tolerance = _ITERATIVE_RESIDUAL
+        pairs, residuals = _checked(body, pairs, tolerance, 2.0 * cluster_tolerance)
+        modes = _modes(body, pairs, residuals, complete=complete)
+    if keep_rigid:
+        return modes
+    return replace(modes.select(slice(modes.rigid_modes, None)), complete=complete)
+
+
+def _check_arguments(
+    solid: Solid,
+    displacement: Array | None,
+    solver: str,
+    residual_tolerance: float | None,
+    cluster_tolerance: float,
+    seed: int,
+) -> None:
     if solver not in get_args(Solver):
         raise DefoError(f"solver must be one of {', '.join(get_args(Solver))}, got {solver!r}")
-    with phases("assemble"):
-        body = _prepare(solid, displacement)
-    with body.problem:
-        limit = body.problem.independent - (0 if keep_rigid else body.rigid)
-        if not (isinstance(count, int | np.integer) and 1 <= count <= limit):
-            raise DefoError(
-                f"count must be a whole number from 1 to {limit}, the motions of this body, got {count!r}"
-            )
-        total = int(count) + (0 if keep_rigid else body.rigid)
-        search = _Search(body, solver, total, 2.0 * cluster_tolerance, seed, phases)
-        pairs, complete = search.run(verify=verify and solver != "iterative")
-        modes = _modes(body, pairs, complete=complete, residual_tolerance=residual_tolerance)
-    return modes if keep_rigid else modes.select(slice(modes.rigid_modes, None))
+    if residual_tolerance is not None and not residual_tolerance > 0.0:
+        raise DefoError(f"residual_tolerance must be positive, got {residual_tolerance!r}")
+    if not 0.0 <= cluster_tolerance < 0.1:
+        raise DefoError(f"cluster_tolerance must be from 0 to 0.1, got {cluster_tolerance!r}")
+    if not (isinstance(seed, int | np.integer) and seed >= 0):
+        raise DefoError(f"seed must be a whole number from 0, got {seed!r}")
+    if displacement is not None:
+        shape, given = solid.points.shape, np.asarray(displacement)
+        if given.shape != shape:
+            raise DefoError(f"displacement must have the shape {shape}, got {given.shape}")
+        if not np.isfinite(given).all():
+            raise DefoError("displacement must be finite, got NaN or infinity")
+
+
+def _strainless(solid: Solid, displacement: Array | None) -> Array:
+    """Motions (k, n, 3) without stiffness at rest; about a deformed state, which may have some."""
+    points = solid.points if displacement is None else solid.points + displacement
+    corners = 4 if solid.nodes.cell_type.startswith("tetra") else 8
+    return strainless_motions(points, solid.cells, corners, solid.held)
 
 
 @dataclass(frozen=True, slots=True)
 class _Body:
-    """What a search needs to know of a body.
+    """A body ready for the search.
 
     Args:
         solid: the body.
-        problem: its matrices and shift.
+        deflation: its matrices and shift, and its strainless motions.
         inertia: its masses.
-        rigid: number of rigid motions that its constraints leave.
-        scale: estimate of the first elastic λ, from above [rad²/s²]; 0 for a held body.
+        scale: about a deformed state, estimate of the first elastic λ, from above [rad²/s²].
         fields: (owned dofs, 30) polynomial displacements, zero at held components.
     """
 
     solid: Solid
-    problem: EigenProblem
+    deflation: Deflation
     inertia: Inertia
-    rigid: int
     scale: float
     fields: Array
 
 
-def _prepare(solid: Solid, displacement: Array | None) -> _Body:
-    """Assemble a body's matrices and choose the shift."""
-    if displacement is not None:
-        solid.internal_force(displacement)  # raises for a wrong shape
-    assembly = solid.assembly
-    owned = assembly.owned
-    free = ~assembly.held[:owned].ravel()
-    local = None if displacement is None else solid.nodes.scatter(np.asarray(displacement))
-    points = solid.points if displacement is None else solid.points + displacement
-    rigid = free_motions(points, solid.cells, solid.held)
-    inertia = body_inertia(solid)
-    place = solid.nodes.scatter(points)[:owned] - inertia.centre
-    size = solid.comm.allreduce(float(np.abs(place).max(initial=0.0)), op=MPI.MAX)
-    fields = np.asfortranarray(quadratic_fields(place / size).reshape(30, -1).T * free[:, None])
+def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motions: Array) -> _Body:
+    """Assemble a body's matrices, which the stack will destroy, and choose the shift."""
+    assembly, rest = solid.assembly, displacement is None
+    free = ~assembly.held[: assembly.owned].ravel()
+    local = None if rest else solid.nodes.scatter(np.asarray(displacement, np.float64))
+    stiffness = assembly.stiffness_matrix(local)
+    stack.callback(stiffness.destroy)
+    mass = assembly.mass_matrix()
+    stack.callback(mass.destroy)
     problem = EigenProblem(
-        stiffness=assembly.stiffness_matrix(local),
-        mass=assembly.mass_matrix(),
+        stiffness=stiffness,
+        mass=mass,
         shift=0.0,
-        definite=displacement is None,
+        definite=rest,
         independent=int(solid.comm.allreduce(int(free.sum()))),
         free=free,
     )
-    scale = _first_elastic(problem, fields, rigid) if rigid else 0.0
-    problem = replace(problem, shift=-_SHIFT * scale)
-    return _Body(solid, problem, inertia, rigid, scale, fields)
+    points = solid.points if displacement is None else solid.points + displacement
+    fields = _polynomials(solid, points) * free[:, None]
+    deflation, scale = _deflation(solid, problem, motions), 0.0
+    if displacement is not None:
+        scale = _first_elastic(problem, fields, len(motions))
+        if not _strains_nothing(deflation, solid, displacement):
+            # Loads that keep their direction give the motions a stiffness, as to a pendulum.
+            shifted = replace(problem, shift=-_SHIFT * scale)
+            deflation = _deflation(solid, shifted, motions[:0])
+    return _Body(solid, deflation, body_inertia(solid), scale, fields)
+
+
+def _strains_nothing(deflation: Deflation, solid: Solid, displacement: Array) -> bool:
+    """Whether the motions are without stiffness but for round-off, that of F = I + ∇u included."""
+    problem, size = deflation.problem, float(np.ptp(solid.points, axis=0).max())
+    cell = size / len(solid.cells) ** (1.0 / 3.0)
+    digits = 1.0 + (size + float(np.abs(displacement).max())) / cell
+    diagonal = problem.stiffness.getDiagonal()
+    terms = problem.norms(diagonal.array[:, None] * deflation.motions)
+    diagonal.destroy()
+    forces = problem.norms(multiply(problem.stiffness, deflation.motions))
+    return bool((forces <= 100.0 * digits * np.finfo(float).eps * terms).all())
+
+
+def _polynomials(solid: Solid, points: Array) -> Array:
+    """Quadratic displacement fields (owned dofs, 30) over the box of the points."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    place = (points - 0.5 * (low + high)) / (0.5 * float(np.max(high - low)))
+    own = solid.nodes.scatter(place)[: solid.assembly.owned]
+    return np.asfortranarray(quadratic_fields(own).reshape(30, -1).T)
+
+
+def _deflation(solid: Solid, problem: EigenProblem, motions: Array) -> Deflation:
+    owned, rows = solid.assembly.owned, len(problem.free)
+    local = np.zeros((rows, len(motions)), order="F")
+    for column, motion in zip(local.T, motions, strict=True):
+        column[:] = solid.nodes.scatter(motion)[:owned].ravel()
+    springs = supports(motions, ~solid.held & solid.nodes.carried[:, None])
+    held_by = solid.nodes.scatter(springs.astype(np.float64))[:owned].ravel() > 0.0
+    return Deflation(problem, *orthonormal_in_mass(problem, local), held_by)
 
 
 def _first_elastic(problem: EigenProblem, fields: Array, rigid: int) -> float:
@@ -164,95 +233,10 @@ def _first_elastic(problem: EigenProblem, fields: Array, rigid: int) -> float:
     return float(ritz[min(rigid, len(ritz) - 1)])
 
 
-@dataclass(frozen=True, slots=True)
-class _Search:
-    """The search for the lowest ``total`` pairs and what completes their last cluster."""
-
-    body: _Body
-    solver: Solver
-    total: int
-    cluster_rtol: float
-    seed: int
-    phases: Phases
-
-    def run(self, *, verify: bool) -> tuple[Pairs, bool]:
-        """Pairs with whole clusters, and whether a count has proved them complete.
-
-        Raises:
-            EigenSolveError: the count never agreed with the pairs found.
-        """
-        problem = self.body.problem
-        wanted = self.total
-        found = expected = 0
-        for attempt in range(_ATTEMPTS):
-            pairs = self._solve(min(wanted, problem.independent), self.seed + attempt)
-            values = np.where(pairs.values < _RIGID * self.body.scale, 0.0, pairs.values)
-            end = cluster_end(values, self.total, rtol=self.cluster_rtol)
-            if end > pairs.converged or end == len(values) < problem.independent:
-                wanted = end + 2 + end // 8  # the last cluster goes on
-                continue
-            kept = replace(pairs.leading(end), values=values[:end])
-            if not verify:
-                return kept, False
-            found = end
-            with self.phases("count"):
-                expected = problem.below(self._cut(values, end))
-            if expected == found:
-                return kept, True
-            _log.info("found %d modes where the inertia counts %d: searching on", found, expected)
-            wanted = max(expected, self.total) + 2 * _GUARD
-        raise EigenSolveError(
-            f"{found} modes were found where the inertia of the shifted stiffness counts {expected}, in {_ATTEMPTS} "
-            "attempts; ask for a few more or fewer modes, or check the mesh for parts that hardly hold together"
-        )
-
-    def _solve(self, count: int, seed: int) -> Pairs:
-        problem, phases = self.body.problem, self.phases
-        match self.solver:
-            case "lanczos":
-                return problem.lanczos(
-                    count, guard=_GUARD, tolerance=_TOLERANCE, seed=seed, phases=phases
-                )
-            case "krylov-schur":
-                more = min(count + _GUARD, problem.independent)
-                return krylov_schur(problem, more, tolerance=_TOLERANCE, phases=phases)
-        return problem.multigrid_lanczos(
-            count,
-            self.body.fields[:, :6],
-            guard=_GUARD,
-            tolerance=_ITERATIVE_TOLERANCE,
-            seed=seed,
-            phases=phases,
-        )
-
-    def _cut(self, values: Array, end: int) -> float:
-        """A value between the last kept eigenvalue and the next."""
-        last = float(values[end - 1])
-        if end < len(values):
-            return 0.5 * (last + float(values[end]))
-        return max(1.01 * last, 1e-3 * self.body.scale)
-
-
-def _modes(body: _Body, pairs: Pairs, *, complete: bool, residual_tolerance: float) -> Modes:
-    """The user's record of the pairs, after the checks that it must stand."""
-    solid, problem, inertia = body.solid, body.problem, body.inertia
-    projections = problem.products(pairs.momenta, body.fields)
-    pairs = pairs.rotated(align_clusters(pairs.values, projections, rtol=_SAME))
-    residuals = _checked_residuals(body, pairs, residual_tolerance)
-    rigid = int(np.count_nonzero(pairs.values == 0.0))
-    if rigid < min(body.rigid, len(pairs.values)):
-        raise EigenSolveError(
-            f"{body.rigid} rigid motions are free, but only {rigid} modes have no stiffness; the mesh may be too "
-            "large or too small for its units (metres)"
-        )
-    if rigid > body.rigid:
-        _log.warning(
-            "%d modes have no stiffness where %d rigid motions are free: parts of the body hang together by a "
-            "node or an edge only, like a hinge",
-            rigid,
-            body.rigid,
-        )
-    local = pairs.vectors.reshape(-1, 3, pairs.vectors.shape[1])
+def _modes(body: _Body, pairs: Pairs, residuals: Array, *, complete: bool) -> Modes:
+    """The user's record of pairs that have stood the checks."""
+    solid, problem, inertia = body.solid, body.deflation.problem, body.inertia
+    local = pairs.vectors.reshape(-1, 3, len(pairs.values))
     shapes = np.ascontiguousarray(np.moveaxis(solid.nodes.gather(local), 2, 0))
     sign = signs(shapes)
     numbers = np.zeros(solid.nodes.size, np.int64)
@@ -266,7 +250,7 @@ def _modes(body: _Body, pairs: Pairs, *, complete: bool, residual_tolerance: flo
         node_numbers=numbers,
         node_mass=solid.lumped_mass(),
         residuals=residuals,
-        rigid_modes=rigid,
+        rigid_modes=int(np.count_nonzero(pairs.values == 0.0)),
         complete=complete,
         participation=problem.products(pairs.vectors, inertia.momenta) * sign[:, None],
         total_mass=inertia.total_mass,
@@ -275,22 +259,21 @@ def _modes(body: _Body, pairs: Pairs, *, complete: bool, residual_tolerance: flo
     )
 
 
-def _checked_residuals(body: _Body, pairs: Pairs, tolerance: float) -> Array:
-    problem = body.problem
+def _checked(
+    body: _Body, pairs: Pairs, tolerance: float | None, cluster_rtol: float
+) -> tuple[Pairs, Array]:
+    solid, problem, fields = body.solid, body.deflation.problem, body.fields
+    masses = solid.nodes.scatter(solid.lumped_mass())[: solid.assembly.owned]
+    norms = problem.norms(fields * np.sqrt(np.repeat(masses, 3))[:, None])
+    seen = norms > 0.0
     elastic = pairs.values[pairs.values > 0.0]
-    floor = float(elastic[0]) if elastic.size else body.scale
-    residuals = problem.residuals(pairs, floor)
-    if not (residuals <= tolerance).all():
-        worst = int(np.argmax(np.nan_to_num(residuals, nan=np.inf)))
-        raise EigenSolveError(
-            f"mode {worst + 1} has the relative residual {residuals[worst]:.1e}, and {tolerance:.1e} is allowed; "
-            "the mesh may hold slivers or materials of too different stiffness; "
-            "improve it, or allow a larger residual_tolerance"
-        )
-    gram = problem.products(pairs.vectors, pairs.momenta)
-    worst_product = float(np.abs(gram - np.eye(len(gram))).max())
-    if not worst_product <= 1e-8:
-        raise EigenSolveError(
-            f"the modes are orthonormal to {worst_product:.1e} only, 1e-8 is allowed"
-        )
-    return residuals
+    return checked_pairs(
+        problem,
+        pairs,
+        fields=fields[:, seen] / norms[seen],
+        floor=float(elastic[0])
+        if elastic.size
+        else _first_elastic(problem, fields, len(pairs.values)),
+        tolerance=tolerance,
+        cluster_rtol=cluster_rtol,
+    )

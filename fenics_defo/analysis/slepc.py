@@ -1,7 +1,7 @@
 """Lowest eigenpairs by SLEPc's Krylov-Schur iteration with MUMPS's factors."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 from petsc4py import PETSc
 from slepc4py import SLEPc
@@ -9,19 +9,20 @@ from slepc4py import SLEPc
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.analysis.deflation import Deflation
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.phases import Phases
-from fenics_defo.errors import EigenSolveError
+from fenics_defo.errors import EigenSolveError, SolverError
 from fenics_defo.fem.linalg import OPTIONS_PREFIX
 
 Array = NDArray[np.float64]
 
 
-def krylov_schur(problem: EigenProblem, count: int, *, tolerance: float, phases: Phases) -> Pairs:
+def krylov_schur(deflation: Deflation, count: int, *, tolerance: float, phases: Phases) -> Pairs:
     """Pairs by SLEPc's Krylov-Schur iteration, shift-and-invert, factors by MUMPS.
 
     Args:
-        problem: matrices and shift.
+        deflation: the problem and what is left out of it.
         count: number of pairs.
         tolerance: SLEPc's tolerance of the shifted and inverted problem.
         phases: stopwatch.
@@ -30,41 +31,72 @@ def krylov_schur(problem: EigenProblem, count: int, *, tolerance: float, phases:
         at least ``count`` pairs.
 
     Raises:
+        SolverError: the matrix could not be factorised.
         EigenSolveError: fewer converged.
     """
-    with _scalar(problem) as (stiffness, mass), _solver(problem) as eps:
+    problem, space = deflation.problem, deflation.remaining
+    vectors, momenta = deflation.known
+    with _operators(deflation) as (stiffness, mass), _solver(problem) as eps:
         stiffness.setOption(PETSc.Mat.Option.SPD, problem.definite)
         eps.setOperators(stiffness, mass)
         eps.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
-        basis = min(max(2 * count, count + 15), problem.independent)
-        eps.setDimensions(count, basis)
+        # SLEPc wants a basis larger than what is asked for, even where that is the whole space.
+        eps.setDimensions(count, max(min(max(2 * count, count + 15), space), count + 1))
         eps.setTolerances(tolerance, 200)
         eps.setTarget(problem.shift)
         eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-        transform = eps.getST()
-        transform.setType(SLEPc.ST.Type.SINVERT)
-        transform.setShift(problem.shift)
-        transform.setMatStructure(PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        linear = transform.getKSP()
-        linear.setType(PETSc.KSP.Type.PREONLY)
-        factors = linear.getPC()
-        factors.setType(PETSc.PC.Type.CHOLESKY)
-        factors.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        _set_transform(eps, problem.shift)
+        if vectors.shape[1]:
+            with _handles(problem, vectors) as handles:
+                eps.setDeflationSpace(handles)
         with phases("factorise"):
-            eps.setUp()
+            try:
+                eps.setUp()
+            except (PETSc.Error, SystemError) as error:
+                raise SolverError(
+                    f"SLEPc could not prepare {count} of {space} modes ({error}); use "
+                    "the direct solver (--solver lanczos, solver='lanczos')"
+                ) from error
         with phases("solve"):
             eps.solve()
-        return _pairs(problem, eps, count)
+            found = _vectors(problem, eps, count)
+    found -= vectors @ problem.products(momenta, found)
+    return problem.ritz(found, converged=found.shape[1])
+
+
+def _set_transform(eps: SLEPc.EPS, shift: float) -> None:
+    transform = eps.getST()
+    transform.setType(SLEPc.ST.Type.SINVERT)
+    transform.setShift(shift)
+    transform.setMatStructure(PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    linear = transform.getKSP()
+    linear.setType(PETSc.KSP.Type.PREONLY)
+    factors = linear.getPC()
+    factors.setType(PETSc.PC.Type.CHOLESKY)
+    factors.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
 
 
 @contextmanager
-def _scalar(problem: EigenProblem) -> Iterator[tuple[PETSc.Mat, PETSc.Mat]]:
-    halves = [m.convert("aij", PETSc.Mat()) for m in (problem.stiffness, problem.mass)]
+def _operators(deflation: Deflation) -> Iterator[tuple[PETSc.Mat, PETSc.Mat]]:
+    """K + S and M in the scalar format that SLEPc can add."""
+    with ExitStack() as stack:
+        stiffness = stack.enter_context(deflation.supported(0.0)).convert("aij", PETSc.Mat())
+        stack.callback(stiffness.destroy)
+        mass = deflation.problem.mass.convert("aij", PETSc.Mat())
+        stack.callback(mass.destroy)
+        yield stiffness, mass
+
+
+@contextmanager
+def _handles(problem: EigenProblem, columns: Array) -> Iterator[list[PETSc.Vec]]:
+    vectors = [problem.stiffness.createVecRight() for _ in range(columns.shape[1])]
     try:
-        yield halves[0], halves[1]
+        for vector, column in zip(vectors, columns.T, strict=True):
+            vector.array[:] = column
+        yield vectors
     finally:
-        for matrix in halves:
-            matrix.destroy()
+        for vector in vectors:
+            vector.destroy()
 
 
 @contextmanager
@@ -78,19 +110,18 @@ def _solver(problem: EigenProblem) -> Iterator[SLEPc.EPS]:
         eps.destroy()
 
 
-def _pairs(problem: EigenProblem, eps: SLEPc.EPS, count: int) -> Pairs:
+def _vectors(problem: EigenProblem, eps: SLEPc.EPS, count: int) -> Array:
     found = eps.getConverged()
     if found < count:
         raise EigenSolveError(
             f"SLEPc found {found} of {count} modes in {eps.getIterationNumber()} iterations; "
             "ask for fewer modes, or use the direct solver (--solver lanczos, solver='lanczos')"
         )
-    values = np.array([eps.getEigenvalue(i).real for i in range(found)])
-    order = np.argsort(values)
     vectors = np.empty((len(problem.free), found), order="F")
     vector = problem.stiffness.createVecRight()
-    for place, index in enumerate(order):
-        eps.getEigenvector(int(index), vector)
+    for place in range(found):
+        eps.getEigenvector(place, vector)
         vectors[:, place] = vector.array
     vector.destroy()
-    return problem.ritz(vectors, converged=found)
+    vectors[~problem.free] = 0.0
+    return vectors

@@ -1,9 +1,17 @@
 """Order in a computed spectrum: clusters, signs, fields that a mode's motion is compared with."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+# A field claims a vector if this part of the best seen field's projection is left for it. Below
+# 1/sqrt(k) of clusters of any real size, so that unit vectors always complete the claims.
+_CLAIM = 1e-3
+# Projections of unit fields below this are round-off.
+_UNSEEN = 1e-8
 
 
 def cluster_end(values: Array, count: int, *, rtol: float) -> int:
@@ -23,7 +31,7 @@ def cluster_end(values: Array, count: int, *, rtol: float) -> int:
     return end
 
 
-def align_clusters(values: Array, projections: Array, *, rtol: float) -> Array:
+def align_clusters(values: Array, projections: Array, *, rtol: Array) -> Array:
     """Rotation that makes vectors of equal eigenvalues unique: each takes all of one field's share.
 
     Within a cluster any rotation solves the eigenvalue problem. Taken is the one in which the first
@@ -32,52 +40,46 @@ def align_clusters(values: Array, projections: Array, *, rtol: float) -> Array:
 
     Args:
         values: (k,) ascending λ.
-        projections: (k, p) ⟨vector, field⟩, fields in the order of their claim.
-        rtol: largest relative distance of neighbours in a cluster.
+        projections: (k, p) ⟨vector, field⟩ of fields of norm 1, in the order of their claim.
+        rtol: (k,) largest relative distance of an eigenvalue from the one before it in a cluster.
 
     Returns:
         (k, k) orthogonal and block diagonal; multiply the vectors by it from the right.
     """
     rotation = np.eye(len(values))
-    start = 0
-    while start < len(values):
-        end = cluster_end(values, start + 1, rtol=rtol)
+    joined = np.diff(values) <= rtol[1:] * np.abs(values[1:])
+    bounds = np.flatnonzero(np.concatenate([[True], ~joined, [True]]))
+    for start, end in pairwise(bounds):
         if end - start > 1:
             here = slice(start, end)
             rotation[here, here] = _claimed(projections[here])
-        start = end
     return rotation
 
 
 def _claimed(projections: Array) -> Array:
-    """Orthogonal columns: the parts of the fields' projections that earlier fields have not
-    taken."""
+    """Orthogonal (k, k): of each field's projection the part that earlier ones have not taken."""
     size = len(projections)
+    scale = np.linalg.norm(projections, axis=0).max(initial=0.0)
+    if not scale > _UNSEEN:
+        return np.eye(size)
     columns = np.zeros((size, 0))
-    scale = np.abs(projections).max(initial=0.0)
-    for field in (*projections.T, *np.eye(size)):
+    # Unit vectors complete what no field sees.
+    for field in (*(projections.T / scale), *np.eye(size)):
         rest = field - columns @ (columns.T @ field)
         rest -= columns @ (columns.T @ rest)
         length = np.linalg.norm(rest)
-        if columns.shape[1] < size and length > 1e-3 * scale:
+        if length > _CLAIM:
             columns = np.column_stack([columns, rest / length])
         if columns.shape[1] == size:
-            break
-        scale = min(scale, 1.0) if field.size == size and scale == 0.0 else scale
-    if columns.shape[1] < size:  # no field sees what is left: complete by unit vectors
-        full, _ = np.linalg.qr(np.column_stack([columns, np.eye(size)]))
-        signs = np.ones(size)
-        signs[: columns.shape[1]] = np.sign((full[:, : columns.shape[1]] * columns).sum(axis=0))
-        columns = full[:, :size] * signs
-    return columns
+            return columns
+    raise AssertionError("unit vectors span the space")
 
 
 def signs(shapes: Array) -> Array:
-    """Signs (k,) that make the largest component of each shape positive; the first of equals
-    decides.
+    """Signs (k,) that make the largest component of each shape positive.
 
     Args:
-        shapes: (k, n, 3).
+        shapes: (k, n, 3). Of components that are equally large, the first decides.
     """
     flat = shapes.reshape(len(shapes), -1)
     size = np.abs(flat)
@@ -92,7 +94,7 @@ def quadratic_fields(points: Array) -> Array:
         points: (d, 3), centred and scaled to order one.
 
     Returns:
-        (30, d, 3): x, y, z, the three rotations, then the rest.
+        (30, d, 3): x, y, z, the three rotations, then the rest, of the second degree last.
     """
     one = np.ones(len(points))
     x, y, z = points.T

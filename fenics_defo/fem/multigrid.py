@@ -13,10 +13,14 @@ from fenics_defo.fem.linalg import OPTIONS_PREFIX
 
 Array = NDArray[np.float64]
 
+_INDEFINITE = (
+    PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_MAT,
+    PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_PC,
+)
+
 
 class MultigridSolver:
-    """CG preconditioned by PETSc's GAMG, which is told the rigid motions. Collective; use in
-    ``with``.
+    """CG with PETSc's GAMG, which knows the rigid motions. Collective; use in ``with``.
 
     References: Vanek, Mandel and Brezina, Computing 56 (1996) 179-196 (smoothed aggregation for
         elasticity).
@@ -40,7 +44,8 @@ class MultigridSolver:
     ) -> None:
         self._matrix = matrix.convert("aij", PETSc.Mat())
         self._matrix.setBlockSize(3)
-        self._scale_held_rows(free)
+        self._free = free
+        self._scale_held_rows()
         self._matrix.setOption(PETSc.Mat.Option.SPD, True)
         vectors = _orthonormal([self._vector(column) for column in near_kernel.T])
         kernel = PETSc.NullSpace().create(vectors=vectors, comm=matrix.getComm())
@@ -59,7 +64,7 @@ class MultigridSolver:
         self.iterations = 0
 
     def solve(self, right_sides: Array) -> Array:
-        """Solve for a block of right-hand sides (owned dofs, b), in Fortran order.
+        """Solve for a block of right-hand sides (owned dofs, b), zero at held components.
 
         Raises:
             SolverError: the iteration did not converge.
@@ -70,23 +75,34 @@ class MultigridSolver:
             b.array[:] = right_sides[:, column]
             self._solver.solve(b, x)
             self.iterations += self._solver.getIterationNumber()
-            if self._solver.getConvergedReason() <= 0:
-                raise SolverError(
-                    f"conjugate gradients did not converge in {self._solver.getIterationNumber()} iterations; "
-                    "use the direct solver (--solver lanczos, solver='lanczos'), or improve the mesh's slivers"
-                )
+            self._check_converged()
             solution[:, column] = x.array
         b.destroy()
         x.destroy()
+        solution[~self._free] = 0.0  # the smoothers leave traces in it
         return solution
 
-    def _scale_held_rows(self, free: NDArray[np.bool_]) -> None:
+    def _check_converged(self) -> None:
+        reason, steps = self._solver.getConvergedReason(), self._solver.getIterationNumber()
+        if reason in _INDEFINITE:
+            raise SolverError(
+                "conjugate gradients met a matrix that is not positive definite: the given "
+                "displacement is not a stable state, or a part of the body hardly hangs on; "
+                "the direct solver tells more (--solver lanczos, solver='lanczos')"
+            )
+        if reason <= 0:
+            raise SolverError(
+                f"conjugate gradients did not converge in {steps} iterations; use the direct "
+                "solver (--solver lanczos, solver='lanczos'), or improve the mesh's slivers"
+            )
+
+    def _scale_held_rows(self) -> None:
         """Give held rows the size of the others: a tiny diagonal misleads the smoothers."""
         diagonal = self._matrix.getDiagonal()
         values = diagonal.array.copy()
-        total = self._matrix.getComm().tompi4py().allreduce(values[free].sum())
-        count = self._matrix.getComm().tompi4py().allreduce(int(free.sum()))
-        values[~free] = total / count
+        total = self._matrix.getComm().tompi4py().allreduce(values[self._free].sum())
+        count = self._matrix.getComm().tompi4py().allreduce(int(self._free.sum()))
+        values[~self._free] = total / count
         diagonal.array[:] = values
         self._matrix.setDiagonal(diagonal)
         diagonal.destroy()

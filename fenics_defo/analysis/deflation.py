@@ -1,0 +1,199 @@
+"""The eigenvalue problem without what is known: strainless motions, and pairs found before.
+
+With R the strainless motions (K R = 0, Rᵀ M R = I) and S springs of any stiffness at as many
+components as R has columns, K + S is positive definite, and K y = f has the solution
+(K + S)⁻¹ f whenever Rᵀ f = 0: a load in equilibrium bends the springs not at all. So the operator
+
+    P (K + S)⁻¹ M,   P = I - R Rᵀ M,
+
+has the elastic eigenpairs (1/λ, φ) and no others. No shift is needed, whose distance to the first
+elastic λ would have to be guessed; and the strainless motions are exact. Pairs found before are
+left out by the same projection: blocks of b vectors see b vectors of an eigenvalue at a time.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from petsc4py import PETSc
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.analysis.eigenpairs import BLOCK, EigenProblem, Pairs
+from fenics_defo.analysis.lanczos import block_lanczos
+from fenics_defo.analysis.phases import Phases
+from fenics_defo.analysis.stability import not_stable
+from fenics_defo.fem.linalg import Factorization, multiply
+from fenics_defo.fem.multigrid import MultigridSolver
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Deflation:
+    """An eigenvalue problem and what is left out of it.
+
+    Args:
+        problem: the matrices; the shift is 0 if there are strainless motions.
+        motions: R (owned dofs, k) in Fortran order, orthonormal in M; k may be 0.
+        momenta: M R (owned dofs, k).
+        supports: (owned dofs,) bool, where the springs are.
+        found: elastic pairs found before.
+    """
+
+    problem: EigenProblem
+    motions: Array
+    momenta: Array
+    supports: NDArray[np.bool_]
+    found: Pairs | None = None
+
+    @property
+    def strainless(self) -> int:
+        """Number k of strainless motions."""
+        return self.motions.shape[1]
+
+    @property
+    def remaining(self) -> int:
+        """Dimension of what is left."""
+        found = 0 if self.found is None else len(self.found.values)
+        return self.problem.independent - self.strainless - found
+
+    def locking(self, pairs: Pairs) -> "Deflation":
+        """The same with all converged pairs left out, of which the first k are the motions."""
+        known = slice(self.strainless, pairs.converged)
+        elastic = Pairs(
+            pairs.values[known],
+            pairs.vectors[:, known],
+            pairs.forces[:, known],
+            pairs.momenta[:, known],
+            max(0, pairs.converged - self.strainless),
+        )
+        return replace(self, found=elastic)
+
+    @property
+    def known(self) -> tuple[Array, Array]:
+        """Vectors (owned dofs, l) that are left out, and their products with M."""
+        if self.found is None:
+            return self.motions, self.momenta
+        vectors = np.hstack([self.motions, self.found.vectors])
+        return vectors, np.hstack([self.momenta, self.found.momenta])
+
+    @contextmanager
+    def supported(self, shift: float) -> Iterator[PETSc.Mat]:
+        """K - shift M + S, the springs as stiff as the body's own diagonal."""
+        matrix = self.problem.shifted(shift)
+        try:
+            diagonal = matrix.getDiagonal()
+            diagonal.array[~self.supports] = 0.0
+            matrix.setDiagonal(diagonal, addv=PETSc.InsertMode.ADD_VALUES)
+            matrix.assemble()
+            diagonal.destroy()
+            matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+            yield matrix
+        finally:
+            matrix.destroy()
+
+    def whole(self, rest: Pairs) -> Pairs:
+        """All pairs: the strainless motions with λ = 0, then what was found before and now."""
+        if self.found is not None:
+            # Guards are not accurate, and nothing above the lowest of them is sure to be complete.
+            sure = float(rest.values[rest.converged :].min(initial=np.inf))
+            rest = self.problem.ritz(np.hstack([self.found.vectors, rest.vectors]), converged=0)
+            rest = replace(rest, converged=int(np.count_nonzero(rest.values < sure * (1 - 1e-6))))
+        forces = multiply(self.problem.stiffness, self.motions)
+        return Pairs(
+            np.append(np.zeros(self.strainless), rest.values),
+            np.asfortranarray(np.hstack([self.motions, rest.vectors])),
+            np.hstack([forces, rest.forces]),
+            np.hstack([self.momenta, rest.momenta]),
+            self.strainless + rest.converged,
+        )
+
+    def lanczos(
+        self, count: int, *, guard: int, tolerance: float, seed: int, phases: Phases
+    ) -> Pairs:
+        """At least ``count`` of the remaining pairs and some guards by block Lanczos and MUMPS.
+
+        Raises:
+            SolverError: no memory.
+            EigenSolveError: they did not converge, or the state is not stable.
+        """
+        with phases("factorise"), self.supported(self.problem.shift) as matrix:
+            factors = Factorization(matrix, definite=self.problem.definite)
+        with factors, phases("solve"):
+            if not self.problem.definite and factors.negative_pivots:
+                raise not_stable(factors.negative_pivots)
+            return self._block_lanczos(factors, count, guard, tolerance=tolerance, seed=seed)
+
+    def multigrid_lanczos(
+        self,
+        count: int,
+        near_kernel: Array,
+        *,
+        guard: int,
+        tolerance: float,
+        seed: int,
+        phases: Phases,
+    ) -> Pairs:
+        """The same with conjugate gradients and multigrid in place of the factors.
+
+        Raises:
+            SolverError: an inner solve did not converge.
+            EigenSolveError: the pairs did not converge.
+        """
+        with phases("factorise"), self.supported(self.problem.shift) as matrix:
+            solver = MultigridSolver(matrix, near_kernel, self.problem.free, rtol=1e-4 * tolerance)
+        with solver, phases("solve"):
+            return self._block_lanczos(solver, count, guard, tolerance=tolerance, seed=seed)
+
+    def _block_lanczos(
+        self,
+        solver: Factorization | MultigridSolver,
+        count: int,
+        guard: int,
+        *,
+        tolerance: float,
+        seed: int,
+    ) -> Pairs:
+        problem = self.problem
+        rng = np.random.default_rng([seed, problem.comm.rank])
+        width = min(BLOCK, self.remaining)
+        vectors, momenta = self.known
+
+        def solve(block: Array) -> Array:
+            if not vectors.shape[1]:
+                return solver.solve(block)
+            loads = block - momenta @ problem.products(vectors, block)
+            answer = solver.solve(np.asfortranarray(loads))
+            return np.asfortranarray(answer - vectors @ problem.products(momenta, answer))
+
+        found = block_lanczos(
+            solve,
+            lambda block: multiply(problem.mass, block),
+            lambda: problem.random_block(rng, width),
+            count,
+            comm=problem.comm,
+            independent=self.remaining,
+            guard=min(guard, self.remaining - count),
+            tolerance=tolerance,
+        )
+        # One inverse iteration more takes from all vectors at once what stiff motions they hold.
+        purified = solve(multiply(problem.mass, found.vectors)) / found.theta
+        return problem.ritz(purified, converged=found.converged)
+
+
+def orthonormal_in_mass(problem: EigenProblem, fields: Array) -> tuple[Array, Array]:
+    """Independent fields (owned dofs, k) made orthonormal in M, and their products with M.
+
+    Returns:
+        R and M R, (owned dofs, k) in Fortran order, the same span.
+    """
+    if not fields.shape[1]:
+        return fields, fields.copy()
+    for _ in range(2):  # the second time removes what the first one's round-off left
+        products = problem.products(fields, multiply(problem.mass, fields))
+        scale = 1.0 / np.sqrt(np.diag(products))
+        values, turn = np.linalg.eigh(products * np.outer(scale, scale))
+        fields = np.asfortranarray(fields @ (scale[:, None] * turn / np.sqrt(values)))
+    return fields, multiply(problem.mass, fields)
