@@ -12,7 +12,7 @@ left out by the same projection: blocks of b vectors see b vectors of an eigenva
 """
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 
 from petsc4py import PETSc
@@ -20,8 +20,8 @@ from petsc4py import PETSc
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.analysis.eigenpairs import BLOCK, EigenProblem, Pairs
-from fenics_defo.analysis.lanczos import block_lanczos
+from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
+from fenics_defo.analysis.lanczos import BLOCK, block_lanczos
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.stability import not_stable
 from fenics_defo.fem.linalg import Factorization, multiply
@@ -121,7 +121,7 @@ class Deflation:
         """
         with phases("factorise"), self.supported(self.problem.shift) as matrix:
             factors = Factorization(matrix, definite=self.problem.definite)
-        with factors, phases("solve"):
+        with closing(factors), phases("solve"):
             if not self.problem.definite and factors.negative_pivots:
                 raise not_stable(factors.negative_pivots)
             return self._block_lanczos(factors, count, guard, tolerance=tolerance, seed=seed)
@@ -144,7 +144,7 @@ class Deflation:
         """
         with phases("factorise"), self.supported(self.problem.shift) as matrix:
             solver = MultigridSolver(matrix, near_kernel, self.problem.free, rtol=1e-4 * tolerance)
-        with solver, phases("solve"):
+        with closing(solver), phases("solve"):
             return self._block_lanczos(solver, count, guard, tolerance=tolerance, seed=seed)
 
     def _block_lanczos(

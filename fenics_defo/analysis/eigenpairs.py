@@ -1,9 +1,7 @@
-"""The matrices of an eigenvalue problem and the solvers that find its lowest pairs."""
+"""The matrices of an eigenvalue problem, pairs of it, and what is computed with both."""
 
-from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
-from types import TracebackType
-from typing import Self
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -12,17 +10,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from fenics_defo.analysis.lanczos import block_lanczos
-from fenics_defo.analysis.phases import Phases
-from fenics_defo.errors import EigenSolveError
 from fenics_defo.fem.linalg import Factorization, multiply
-from fenics_defo.fem.multigrid import MultigridSolver
 
 Array = NDArray[np.float64]
-
-#: Vectors that are solved for at once: more reads the factors less often, and needs more vectors in
-#: all.
-BLOCK = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,98 +87,17 @@ class EigenProblem:
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return matrix
 
-    def factorised(self) -> Factorization:
-        """Factors of K - σ M.
-
-        Raises:
-            SolverError: no memory, or singular.
-            EigenSolveError: eigenvalues lie below the shift, so that the state is not stable.
-        """
-        matrix = self.shifted(self.shift)
-        try:
-            factors = Factorization(matrix, definite=self.definite)
-        finally:
-            matrix.destroy()
-        if not self.definite and factors.negative_pivots:
-            unstable = factors.negative_pivots
-            factors.close()
-            raise EigenSolveError(
-                f"the given displacement is not a stable state: the tangent has {unstable} "
-                f"negative eigenvalue{'s' if unstable > 1 else ''}, and modes exist about stable "
-                "equilibria only. "
-                "Lower the load below buckling, or converge the equilibrium"
-            )
-        return factors
-
     def random_block(self, rng: np.random.Generator, width: int) -> Array:
         """Random vectors that are zero at held components."""
         block = np.asfortranarray(rng.standard_normal((len(self.free), width)))
         block[~self.free] = 0.0
         return block
 
-    def lanczos(
-        self, count: int, *, guard: int, tolerance: float, seed: int, phases: Phases
-    ) -> Pairs:
-        """Pairs by block Lanczos with MUMPS's factors; at least ``count`` and some guards."""
-        with phases("factorise"):
-            factors = self.factorised()
-        with factors, phases("solve"):
-            return self._block_lanczos(
-                factors.solve, count, guard=guard, tolerance=tolerance, seed=seed
-            )
-
-    def multigrid_lanczos(
-        self,
-        count: int,
-        near_kernel: Array,
-        *,
-        guard: int,
-        tolerance: float,
-        seed: int,
-        phases: Phases,
-    ) -> Pairs:
-        """Pairs by block Lanczos with multigrid-preconditioned inner solves."""
-        matrix = self.shifted(self.shift)
-        try:
-            with phases("factorise"):
-                solver = MultigridSolver(matrix, near_kernel, self.free, rtol=1e-4 * tolerance)
-        finally:
-            matrix.destroy()
-        with solver, phases("solve"):
-            return self._block_lanczos(
-                solver.solve, count, guard=guard, tolerance=tolerance, seed=seed
-            )
-
-    def _block_lanczos(
-        self,
-        solve: Callable[[Array], Array],
-        count: int,
-        *,
-        guard: int,
-        tolerance: float,
-        seed: int,
-    ) -> Pairs:
-        rng = np.random.default_rng([seed, self.comm.rank])
-        width = min(BLOCK, self.independent)
-        found = block_lanczos(
-            solve,
-            lambda block: multiply(self.mass, block),
-            lambda: self.random_block(rng, width),
-            count,
-            comm=self.comm,
-            independent=self.independent,
-            guard=min(guard, self.independent - count),
-            tolerance=tolerance,
-        )
-        # One inverse iteration more takes from all vectors at once what stiff motions they hold.
-        purified = solve(multiply(self.mass, found.vectors)) / found.theta
-        return self.ritz(purified, converged=found.converged)
-
     def below(self, value: float) -> int:
         """Number of eigenvalues below a value, by the inertia of K - value M."""
         matrix = self.shifted(value)
         try:
-            with Factorization(matrix, definite=False) as factors:
+            with closing(Factorization(matrix, definite=False)) as factors:
                 return factors.negative_pivots
         finally:
             matrix.destroy()
@@ -220,19 +129,3 @@ class EigenProblem:
         result = np.ascontiguousarray(left.T @ right)
         self.comm.Allreduce(MPI.IN_PLACE, result, op=MPI.SUM)
         return result
-
-    def close(self) -> None:
-        """Free the matrices; collective."""
-        self.stiffness.destroy()
-        self.mass.destroy()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

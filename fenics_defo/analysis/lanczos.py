@@ -23,6 +23,9 @@ from fenics_defo.errors import EigenSolveError
 Array = NDArray[np.float64]
 BlockMap = Callable[[Array], Array]
 
+#: Vectors solved for at once: more of them read the factors less often, and are more in all.
+BLOCK = 4
+
 # A column whose part outside the basis is smaller, relative to the whole, is round-off.
 _DEPENDENT = 1e-11
 _GUARD_TOLERANCE = 1e-3

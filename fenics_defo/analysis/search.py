@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.analysis.deflation import Deflation
-from fenics_defo.analysis.eigenpairs import BLOCK, Pairs
+from fenics_defo.analysis.eigenpairs import Pairs
+from fenics_defo.analysis.lanczos import BLOCK
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.slepc import krylov_schur
 from fenics_defo.analysis.spectrum import cluster_end

@@ -1,8 +1,5 @@
 """Direct and blocked linear algebra on PETSc matrices, with NumPy arrays in and out."""
 
-from types import TracebackType
-from typing import Self
-
 from petsc4py import PETSc
 
 import numpy as np
@@ -26,7 +23,7 @@ _OUT_OF_MEMORY = (-9, -13)
 
 
 class Factorization:
-    """MUMPS's factors of a symmetric matrix; use in ``with``. Collective.
+    """MUMPS's factors of a symmetric matrix; collective, and so is closing it.
 
     Args:
         matrix: assembled symmetric matrix; not kept.
@@ -92,17 +89,6 @@ class Factorization:
         """Free the factors; collective."""
         self._solver.destroy()
         self._matrix.destroy()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def multiply(matrix: PETSc.Mat, block: Array) -> Array:

@@ -1,8 +1,5 @@
 """Conjugate gradients with algebraic multigrid: a solver whose memory grows with the mesh only."""
 
-from types import TracebackType
-from typing import Self
-
 from petsc4py import PETSc
 
 import numpy as np
@@ -20,7 +17,7 @@ _INDEFINITE = (
 
 
 class MultigridSolver:
-    """CG with PETSc's GAMG, which knows the rigid motions. Collective; use in ``with``.
+    """CG with PETSc's GAMG, which knows the rigid motions; collective.
 
     References: Vanek, Mandel and Brezina, Computing 56 (1996) 179-196 (smoothed aggregation for
         elasticity).
@@ -116,17 +113,6 @@ class MultigridSolver:
         """Free the solver; collective."""
         self._solver.destroy()
         self._matrix.destroy()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _orthonormal(vectors: list[PETSc.Vec]) -> list[PETSc.Vec]:

@@ -66,8 +66,7 @@ def test_without_the_count_nothing_is_claimed(monkeypatch: Any) -> None:
     assert modes.frequencies[:4] == pytest.approx(whole.frequencies[1:], rel=1e-9)
 
 
-@pytest.mark.parametrize("shift", [0.0, 1e-3])
-def test_the_inertia_counts_what_lies_below(shift: float) -> None:
+def test_the_inertia_counts_what_lies_below() -> None:
     solid = box((3, 2, 2), fixed=["x==0"])
     modes = linear_modes(solid, 12)
     assembly = solid.assembly
@@ -79,11 +78,12 @@ def test_the_inertia_counts_what_lies_below(shift: float) -> None:
         independent=int((~solid.held).sum()),
         free=~assembly.held.ravel(),
     )
-    with problem:
-        for place in (0, 3, 11):
-            value = float(modes.omega[place] ** 2)
-            assert problem.below(value * (1.0 + 1e-6)) == place + 1
-            assert problem.below(value * (1.0 - 1e-6)) == place
+    for place in (0, 3, 11):
+        value = float(modes.omega[place] ** 2)
+        assert problem.below(value * (1.0 + 1e-6)) == place + 1
+        assert problem.below(value * (1.0 - 1e-6)) == place
+    problem.stiffness.destroy()
+    problem.mass.destroy()
 
 
 @pytest.mark.parametrize("failure", [DefoError, KeyboardInterrupt])
