@@ -170,9 +170,10 @@ def check(results: dict[str, dict[str, float]]) -> None:
     """The relations that hold on any machine, far from the noise."""
     for name, row in results.items():
         assert row["residual"] < 1e-6, name
-        assert row["factorise"] < row["factorise, plain BLAS"] * 1.2, name
+        if row["dofs"] > 40_000:
+            assert row["factorise"] < row["factorise, plain BLAS"], name
         if "eigsh" in row:
-            assert row["eigsh"] > 2.0 * row["total"], name
+            assert row["eigsh"] > 1.5 * row["total"], name
 
 
 def growth(results: dict[str, dict[str, float]], key: str) -> float:
