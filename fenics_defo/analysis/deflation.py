@@ -101,6 +101,8 @@ class Deflation:
             sure = float(rest.values[rest.converged :].min(initial=np.inf))
             rest = self.problem.ritz(np.hstack([self.found.vectors, rest.vectors]), converged=0)
             rest = replace(rest, converged=int(np.count_nonzero(rest.values < sure * (1 - 1e-6))))
+        if not self.strainless:
+            return rest
         forces = multiply(self.problem.stiffness, self.motions)
         return Pairs(
             np.append(np.zeros(self.strainless), rest.values),

@@ -151,13 +151,16 @@ class _Body:
         solid: the body.
         deflation: its matrices and shift, and its strainless motions.
         inertia: its masses.
+        node_mass: lumped (n,) [kg].
         scale: about a deformed state, estimate of the first elastic λ, from above [rad²/s²].
-        fields: (owned dofs, 30) polynomial displacements, zero at held components.
+        fields: (owned dofs, 30) polynomial displacements, zero at held components, of norm about 1
+            in M, or 0.
     """
 
     solid: Solid
     deflation: Deflation
     inertia: Inertia
+    node_mass: Array
     scale: float
     fields: Array
 
@@ -180,7 +183,8 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
         free=free,
     )
     points = solid.points if displacement is None else solid.points + displacement
-    fields = _polynomials(solid, points) * free[:, None]
+    node_mass = solid.lumped_mass()
+    fields = _polynomials(solid, points, node_mass, problem)
     deflation, scale = _deflation(solid, problem, motions), 0.0
     if displacement is not None:
         scale = _first_elastic(problem, fields, len(motions))
@@ -188,7 +192,7 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
             # Loads that keep their direction give the motions a stiffness, as to a pendulum.
             shifted = replace(problem, shift=-_SHIFT * scale)
             deflation = _deflation(solid, shifted, motions[:0])
-    return _Body(solid, deflation, body_inertia(solid), scale, fields)
+    return _Body(solid, deflation, body_inertia(solid), node_mass, scale, fields)
 
 
 def _strains_nothing(deflation: Deflation, solid: Solid, displacement: Array) -> bool:
@@ -203,12 +207,16 @@ def _strains_nothing(deflation: Deflation, solid: Solid, displacement: Array) ->
     return bool((forces <= 100.0 * digits * np.finfo(float).eps * terms).all())
 
 
-def _polynomials(solid: Solid, points: Array) -> Array:
-    """Quadratic displacement fields (owned dofs, 30) over the box of the points."""
-    low, high = points.min(axis=0), points.max(axis=0)
+def _polynomials(solid: Solid, points: Array, node_mass: Array, problem: EigenProblem) -> Array:
+    """Quadratic displacement fields (owned dofs, 30) over the box of the points, scaled."""
+    owned, low, high = solid.assembly.owned, points.min(axis=0), points.max(axis=0)
     place = (points - 0.5 * (low + high)) / (0.5 * float(np.max(high - low)))
-    own = solid.nodes.scatter(place)[: solid.assembly.owned]
-    return np.asfortranarray(quadratic_fields(own).reshape(30, -1).T)
+    own = quadratic_fields(solid.nodes.scatter(place)[:owned]).reshape(30, -1).T
+    fields = np.asfortranarray(own * problem.free[:, None])
+    masses = np.repeat(solid.nodes.scatter(node_mass)[:owned], 3)
+    norms = problem.norms(fields * np.sqrt(masses)[:, None])
+    fields /= np.where(norms > 0.0, norms, 1.0)
+    return fields
 
 
 def _deflation(solid: Solid, problem: EigenProblem, motions: Array) -> Deflation:
@@ -248,7 +256,7 @@ def _modes(body: _Body, pairs: Pairs, residuals: Array, *, complete: bool) -> Mo
         cells=solid.cells,
         cell_type=solid.nodes.cell_type,
         node_numbers=numbers,
-        node_mass=solid.lumped_mass(),
+        node_mass=body.node_mass,
         residuals=residuals,
         rigid_modes=int(np.count_nonzero(pairs.values == 0.0)),
         complete=complete,
@@ -262,18 +270,15 @@ def _modes(body: _Body, pairs: Pairs, residuals: Array, *, complete: bool) -> Mo
 def _checked(
     body: _Body, pairs: Pairs, tolerance: float | None, cluster_rtol: float
 ) -> tuple[Pairs, Array]:
-    solid, problem, fields = body.solid, body.deflation.problem, body.fields
-    masses = solid.nodes.scatter(solid.lumped_mass())[: solid.assembly.owned]
-    norms = problem.norms(fields * np.sqrt(np.repeat(masses, 3))[:, None])
-    seen = norms > 0.0
+    problem, fields = body.deflation.problem, body.fields
     elastic = pairs.values[pairs.values > 0.0]
     return checked_pairs(
         problem,
         pairs,
-        fields=fields[:, seen] / norms[seen],
+        fields=fields,
         floor=float(elastic[0])
         if elastic.size
-        else _first_elastic(problem, fields, len(pairs.values)),
+        else _first_elastic(problem, fields, pairs.converged),
         tolerance=tolerance,
         cluster_rtol=cluster_rtol,
     )
