@@ -5,6 +5,7 @@ and that the user's own cache and settings are neither read nor written.
 """
 
 import fcntl
+import importlib
 import json
 import os
 import shutil
@@ -45,6 +46,7 @@ def isolate_environment() -> None:
 
 
 isolate_environment()
+importlib.import_module("fenics_defo.fem.compat")  # MPI loads before a test imports PETSc
 
 # The same examples on each run: a test that fails once in a hundred runs only teaches to run again.
 settings.register_profile("repeatable", deadline=None, derandomize=True, database=None)

@@ -15,8 +15,6 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 
-from petsc4py import PETSc
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +22,7 @@ from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.lanczos import BLOCK, block_lanczos
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.stability import not_stable
+from fenics_defo.fem.compat import PETSc
 from fenics_defo.fem.linalg import Factorization, multiply
 from fenics_defo.fem.multigrid import MultigridSolver
 

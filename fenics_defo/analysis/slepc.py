@@ -3,11 +3,13 @@
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 
-from petsc4py import PETSc
-from slepc4py import SLEPc
-
 import numpy as np
 from numpy.typing import NDArray
+
+from fenics_defo.fem.compat import PETSc  # must come first: MPI loads before SLEPc
+
+# isort: split
+from slepc4py import SLEPc
 
 from fenics_defo.analysis.deflation import Deflation
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs

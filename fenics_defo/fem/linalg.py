@@ -80,9 +80,13 @@ class Factorization:
         solution = np.empty_like(right_sides, order="F")
         given = _dense(self._matrix, right_sides)
         found = _dense(self._matrix, solution)
-        self._factor.matSolve(given, found)
-        given.destroy()
-        found.destroy()
+        try:
+            self._factor.matSolve(given, found)
+        except PETSc.Error as error:
+            raise SolverError(f"MUMPS could not solve with its factors ({error})") from error
+        finally:
+            given.destroy()
+            found.destroy()
         return solution
 
     def close(self) -> None:
