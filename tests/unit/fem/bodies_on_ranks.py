@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from tempfile import gettempdir
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -101,13 +101,11 @@ def one_cell() -> dict[str, Array]:
 
 def node_file_of_rank_0() -> dict[str, Array]:
     """The other ranks are given a file that is not there."""
-    folder = Path(gettempdir()) if COMM.rank == 0 else Path("/nowhere")
-    path = folder / "nodes-of-rank-0.bou"
-    if COMM.rank == 0:
-        path.write_text("1, 5, 7")
-    solid = fem.Solid(mesh_of(source("tetrahedron")), SVK, fixed=[f"nodes:{path}"])
-    if COMM.rank == 0:
-        path.unlink()
+    with TemporaryDirectory() as folder:
+        path = Path(folder if COMM.rank == 0 else "/nowhere") / "nodes.bou"
+        if COMM.rank == 0:
+            path.write_text("1, 5, 7")
+        solid = fem.Solid(mesh_of(source("tetrahedron")), SVK, fixed=[f"nodes:{path}"])
     return {"held": on_all_ranks(solid.held)}
 
 
