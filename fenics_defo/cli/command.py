@@ -128,6 +128,8 @@ def run(command: str, work: Callable[[Run], None]) -> int:
         command: name of the command.
         work: what it does, with the run to register its ranks with.
     """
+    # MUMPS's products are small: threads of the BLAS wait for each other more than they help.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     open_missing_streams()
     current = Run(command)
     try:
