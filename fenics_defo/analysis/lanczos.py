@@ -99,9 +99,10 @@ def block_lanczos(
         theta, inner = np.linalg.eigh(projected)
         theta, inner = theta[::-1], inner[:, ::-1]
         bounds = np.linalg.norm(rest @ inner[fresh], axis=0)
-        done = _leading(bounds <= tolerance * np.abs(theta))
+        whole = len(projected) == independent  # then the pairs are exact but for round-off
+        done = independent if whole else _leading(bounds <= tolerance * np.abs(theta))
         shown = _leading(bounds <= _GUARD_TOLERANCE * np.abs(theta))
-        if (done >= count and shown >= count + guard) or len(projected) == independent:
+        if (done >= count and shown >= count + guard) or whole:
             break
         if rest.shape[0] == 0:  # an invariant subspace, without all of a multiple eigenvalue
             basis.append(solve(mass(random())))

@@ -15,6 +15,7 @@ from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.rigid import strainless_motions, supports
 from fenics_defo.analysis.search import Search, Solver
 from fenics_defo.analysis.spectrum import quadratic_fields, signs
+from fenics_defo.analysis.stability import check_unstressed
 from fenics_defo.errors import DefoError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.linalg import multiply
@@ -73,7 +74,7 @@ def linear_modes(
     Raises:
         DefoError: ``count`` or ``solver`` out of range, ``displacement`` of the wrong shape.
         EigenSolveError: modes did not converge, are missing or inaccurate, or the state is not
-            stable.
+            stable, or the rest shape not an equilibrium.
         SolverError: the stiffness could not be factorised.
     """
     phases = phases or Phases()
@@ -83,11 +84,17 @@ def linear_modes(
             motions = _strainless(solid, displacement)
             limit = int(np.count_nonzero(~solid.held & solid.nodes.carried[:, None]))
             limit -= 0 if keep_rigid else len(motions)
+            if limit == 0:
+                raise DefoError(
+                    "nothing is left free to move; hold fewer nodes, or keep rigid modes"
+                )
             if not (isinstance(count, int | np.integer) and 1 <= count <= limit):
                 raise DefoError(
                     f"count must be a whole number from 1 to {limit}, the motions of this body, "
                     f"got {count!r}"
                 )
+            if displacement is None:
+                check_unstressed(solid)
             body = _assemble(stack, solid, displacement, motions)
         search = Search(
             deflation=body.deflation,
@@ -178,7 +185,7 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
         stiffness=stiffness,
         mass=mass,
         shift=0.0,
-        definite=rest,
+        definite=rest and solid.is_isotropic_at_rest,
         independent=int(solid.comm.allreduce(int(free.sum()))),
         free=free,
     )

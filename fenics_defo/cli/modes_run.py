@@ -57,7 +57,7 @@ def _compute(options: Namespace, ranks: Ranks, progress: Progress, phases: Phase
         mesh = fem.read_mesh(options.mesh, size=options.size, merge=options.merge)
     materials = settled_materials(given, mesh.record.materials)
     if not fixed and not options.free:
-        progress.note("no --fixed: the body is free, 6 rigid modes expected")
+        progress.note("no --fixed: the body is free to move as a whole")
     for note in materials.notes:
         progress.note(note)
     with phases("build"):
@@ -82,6 +82,8 @@ def _compute(options: Namespace, ranks: Ranks, progress: Progress, phases: Phase
 
 def _check_outputs(options: Namespace) -> None:
     """Make sure that every file can be written, before hours of work depend on it."""
+    if options.output.suffix.lower() != ".npz":
+        raise DefoError(f"--output must end in .npz, got {options.output}")
     check_writable(options.output)
     if options.vtk is not None:
         view.check_vtk_path(options.vtk)

@@ -34,7 +34,8 @@ def select_nodes(
 ) -> NDArray[np.bool_]:
     """Nodes of a displacement space that a selection means.
 
-    A group means all nodes of its entities; a comparison the nodes whose coordinates fulfil it; a
+    A group means all nodes of its entities (of groups that share a name or a number, the facets
+    before the cells); a comparison the nodes whose coordinates fulfil it; a
     node file, or a group of nodes, the nodes it names and, where order 2 has put nodes between the
     file's, those between named corners only. Collective.
 
@@ -55,7 +56,7 @@ def select_nodes(
     chosen = np.zeros(numbering.size, bool)
     match parsed:
         case GroupSelection(group):
-            for found in _named(record.groups, group):
+            for found in _on_surface(_named(record.groups, group)):
                 chosen |= _nodes_of_group(found, space, numbering)
         case ComparisonSelection():
             chosen |= parsed.evaluate(numbering.points, _tolerance(numbering.points))
@@ -177,11 +178,21 @@ def _tolerance(points: NDArray[np.float64]) -> float:
 def _named(groups: Sequence[EntityGroup], wanted: str | int) -> list[EntityGroup]:
     found = [g for g in groups if wanted == (g.number if isinstance(wanted, int) else g.name)]
     if not found:
+        other = "Select one of them, a" if groups else "Select by a"
         raise SelectionError(
             f"the mesh has no group {wanted!r}; it has {describe_groups(groups)}. "
-            "Select one of them, a comparison such as 'x<1e-6', or 'nodes:FILE'"
+            f"{other} comparison such as 'x<1e-6', or 'nodes:FILE'"
         )
     return found
+
+
+def _on_surface(groups: list[EntityGroup]) -> list[EntityGroup]:
+    """Of groups that share a name or a number, the facets; else edges, points, cells.
+
+    Gmsh numbers the groups of each dimension anew: a constraint on "1" hardly means the volume.
+    """
+    best = max(groups, key=lambda group: group.dimension if group.dimension < 3 else -1).dimension
+    return [group for group in groups if group.dimension == best]
 
 
 def _numbers(

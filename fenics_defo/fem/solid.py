@@ -78,6 +78,11 @@ class Solid:
         fixed: Sequence[str | int | Fixed] = (),
         degrees: QuadratureDegrees | None = None,
     ) -> None:
+        if not isinstance(mesh_data, MeshData):
+            raise MeshError(
+                f"a body needs what read_mesh or build_mesh returned, got {mesh_data!r}; "
+                "read the file first: fem.Solid(fem.read_mesh(path), material)"
+            )
         mesh = mesh_data.mesh
         kind = mesh.topology.cell_name()
         if kind not in ("tetrahedron", "hexahedron") or mesh.geometry.cmaps[0].degree > 2:
@@ -95,9 +100,12 @@ class Solid:
         self.space = dolfinx.fem.functionspace(mesh, ("Lagrange", order, (3,)))
         self.nodes: NodeNumbering = number_nodes(self.space, mesh.topology.index_map(3).size_global)
         self.held: NDArray[np.bool_] = self._held(constraints)
+        fields = lay_materials(mesh_data, material)
+        #: Whether all laws are isotropic and free of stress at rest.
+        self.is_isotropic_at_rest = all(region.rest_moduli for region in fields.regions)
         self._forms = body_forms(
             self.space,
-            lay_materials(mesh_data, material),
+            fields,
             degrees or default_degrees(kind, order, mesh.geometry.cmaps[0].degree),
         )
 

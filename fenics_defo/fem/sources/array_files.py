@@ -68,6 +68,11 @@ def read_meshio(path: Path) -> tuple[Any, list[str]]:
             mesh = meshio.read(path)
     # meshio parses without checking: a damaged file raises whatever its parser ran into.
     except (Exception, SystemExit) as error:
+        if path.suffix.lower() == ".mesh" and b"TetrahedraP2" in path.read_bytes():
+            raise MeshError(
+                f"{path} holds second-order tetrahedra, which are not read from .mesh files; "
+                "save the mesh as .msh or .vtu"
+            ) from None
         reason = _reason(said.getvalue(), error)
         raise MeshError(
             f"{path} cannot be read as a {path.suffix.lower()} file ({reason}); it is damaged, "
@@ -123,8 +128,10 @@ def _value_groups(mesh: Any, blocks: list[CellBlock]) -> list[RawGroup]:
 
 
 def _groups_cells(parts: list[NDArray[Any]], blocks: list[CellBlock]) -> bool:
-    if len(parts) != len(blocks) or any(
-        part.ndim != 1 or part.dtype.kind not in "iu" for part in parts
+    if (
+        not parts
+        or len(parts) != len(blocks)
+        or any(part.ndim != 1 or part.dtype.kind not in "iu" for part in parts)
     ):
         return False
     if any(len(part) != len(block.nodes) for part, block in zip(parts, blocks, strict=True)):

@@ -81,3 +81,21 @@ def test_a_file_of_other_content_is_one_sentence(tmp_path, suffix):
     assert str(path) in str(error.value)
     assert "Traceback" not in str(error.value)
     assert len(str(error.value)) < 400 + 2 * len(str(path))
+
+
+def test_a_medit_file_without_cells_is_no_mesh(tmp_path):
+    """Meshio writes one for second-order tetrahedra, which it leaves out."""
+    path = tmp_path / "empty.mesh"
+    path.write_text("MeshVersionFormatted 2\nDimension\n3\nVertices\n1\n0 0 0 1\nEnd\n")
+    with pytest.raises(MeshError, match=r"empty\.mesh"):
+        read_source(path)
+
+
+def test_second_order_medit_files_are_sent_elsewhere(tmp_path):
+    path = tmp_path / "curved.mesh"
+    path.write_text(
+        "MeshVersionFormatted 2\nDimension\n3\nVertices\n1\n0 0 0 1\n"
+        "TetrahedraP2\n1\n1 1 1 1 1 1 1 1 1 1 1\nEnd\n"
+    )
+    with pytest.raises(MeshError, match=r"second-order.*\.msh or \.vtu"):
+        read_source(path)
