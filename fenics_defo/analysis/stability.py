@@ -38,7 +38,7 @@ def not_stable(negative: int) -> EigenSolveError:
     """The error for a tangent with so many negative eigenvalues."""
     plural = "s" if negative != 1 else ""
     return EigenSolveError(
-        f"the body is not in a stable state: its tangent has {negative} negative "
+        f"this is not a stable state: the tangent has {negative} negative "
         f"eigenvalue{plural}; modes exist about stable equilibria only. "
         "Lower the load below buckling, converge the equilibrium, or check the energy"
     )

@@ -82,8 +82,6 @@ def _compute(options: Namespace, ranks: Ranks, progress: Progress, phases: Phase
 
 def _check_outputs(options: Namespace) -> None:
     """Make sure that every file can be written, before hours of work depend on it."""
-    if options.output.suffix.lower() != ".npz":
-        raise DefoError(f"--output must end in .npz, got {options.output}")
     check_writable(options.output)
     if options.vtk is not None:
         view.check_vtk_path(options.vtk)
@@ -98,6 +96,8 @@ def _check_outputs(options: Namespace) -> None:
         other = taken.setdefault(Path(path).resolve(), f"--{option}")
         if other != f"--{option}":
             raise DefoError(f"--{option} and {other} name the same file {path}; choose another")
+    if Path(options.output).suffix.lower() not in ("", ".npz"):
+        raise DefoError(f"--output writes an .npz file, got the name {options.output}")
 
 
 def _write(options: Namespace, modes: Modes) -> list[str]:

@@ -49,6 +49,7 @@ def said(err: str, command: str = "mesh-to-modes") -> str:
         ("--materials none.toml --young 1e9", "--materials and --young exclude"),
         ("--output nowhere/modes.npz", "folder .*nowhere"),
         ("--output .", "is a folder"),
+        ("--output modes.txt", "writes an .npz file, got the name modes.txt"),
         ("--vtk modes.stl", "modes.stl.*.vtu"),
         ("--picture modes.jpg", "modes.jpg.*png"),
         ("--output modes.vtu --vtk ./modes.vtu", "--vtk and --output name the same file"),
