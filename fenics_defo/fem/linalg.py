@@ -49,7 +49,8 @@ class Factorization:
         factor.setMumpsIcntl(_ORDERING, _METIS)
         factor.setMumpsIcntl(_MORE_MEMORY, 50)
         factor.setMumpsIcntl(_NULL_PIVOTS, 0 if definite else 1)
-        self._solver.setFromOptions()
+        factor.setOptionsPrefix(OPTIONS_PREFIX)
+        factor.setFromOptions()
         try:
             self._solver.setUp()
         except PETSc.Error as error:
