@@ -61,7 +61,7 @@ def main(argv: list[str] | None = None) -> int:
         print(json.dumps(measure(options.measure, options.beside or "nothing")))
         return 0
     results = {name: repeated(name, options.repeat) for name in options.cases}
-    text = report(results)
+    text = report(results, options.repeat)
     print(text)
     check(results)
     if options.output:
@@ -187,15 +187,15 @@ def growth(results: dict[str, dict[str, float]], key: str) -> float:
     return math.log(last[key] / first[key]) / math.log(last["dofs"] / first["dofs"])
 
 
-def report(results: dict[str, dict[str, float]]) -> str:
+def report(results: dict[str, dict[str, float]], runs: int) -> str:
     """The table as Markdown."""
     lines = [
         "# 20 modes: seconds by phase",
         "",
-        f"Medians, one thread, {processor()}, Python {platform.python_version()}. `factorise` is",
-        "one factorisation by MUMPS, the floor; `total` is `assemble + factorise + solve`, without",
-        "reading the mesh and without the count that proves completeness. Made by",
-        "`workflows/benchmark_modes.py`.",
+        f"Medians of {runs} run{'s' if runs > 1 else ''}, one thread, {processor()}, Python",
+        f"{platform.python_version()}. `factorise` is one factorisation by MUMPS, the floor;",
+        "`total` is `assemble + factorise + solve`, without reading the mesh and without the count",
+        "that proves completeness. Made by `workflows/benchmark_modes.py`.",
         "",
         "| " + " | ".join(COLUMNS) + " |",
         "| --- " * len(COLUMNS) + "|",
@@ -205,6 +205,7 @@ def report(results: dict[str, dict[str, float]]) -> str:
         f"{key} {growth(results, key):.2f}" for key in (*PHASES[:3], "total", "peak_gib")
     )
     lines += ["", f"Growth with the bridge's dofs, exponents: {exponents}.", ""]
+    lines += ["![Seconds against degrees of freedom](modes.png)", ""]
     return "\n".join(lines)
 
 
