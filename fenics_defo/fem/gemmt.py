@@ -1,8 +1,8 @@
 """A fast triangular matrix product for MUMPS, put in place before PETSc is loaded.
 
-The OpenBLAS of the DOLFINx wheel (0.3.32) carries out ``dgemmt``, in which MUMPS spends most of a
+The OpenBLAS of the DOLFINx wheel (0.3.32) carries out ``?gemmt``, in which MUMPS spends most of a
 symmetric factorisation, as one matrix-vector product a column. ``native/gemmt.c`` does the same by
-blocks of ``dgemm``: ``workflows/benchmark_modes.py`` shows what it gains. The C compiler that
+blocks of ``?gemm``: ``workflows/benchmark_modes.py`` shows what it gains. The C compiler that
 DOLFINx itself needs builds it once into DOLFINx's own cache. It is an optimisation only: where
 anything is missing, OpenBLAS's own routine stays in use.
 
@@ -66,18 +66,20 @@ def load(library: Path, openblas: Path) -> ctypes.CDLL:
 
     Args:
         library: what `build` returned.
-        openblas: the library whose ``dgemm`` it calls.
+        openblas: the library whose ``dgemm`` and ``sgemm`` it calls.
 
     Raises:
         OSError: one of the two cannot be loaded.
         AttributeError: one of the two lacks its routine.
     """
-    # Looked up first: a routine that is visible to PETSc but lacks its dgemm would crash.
-    dgemm = ctypes.cast(ctypes.CDLL(str(openblas)).dgemm_, ctypes.c_void_p)
+    # Looked up first: a routine that is visible to PETSc but lacks its gemm would crash.
+    blas = ctypes.CDLL(str(openblas))
+    products = [ctypes.cast(gemm, ctypes.c_void_p) for gemm in (blas.dgemm_, blas.sgemm_)]
     fast = ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
-    fast.fenics_defo_set_dgemm.argtypes = [ctypes.c_void_p]
-    fast.fenics_defo_set_dgemm.restype = None
-    fast.fenics_defo_set_dgemm(dgemm)
+    setters = (fast.fenics_defo_set_dgemm, fast.fenics_defo_set_sgemm)
+    for setter, gemm in zip(setters, products, strict=True):
+        setter.argtypes, setter.restype = [ctypes.c_void_p], None
+        setter(gemm)
     return fast
 
 
@@ -98,6 +100,6 @@ def install(libraries: Path) -> bool:
     try:
         load(build(), openblas)
     except (OSError, subprocess.SubprocessError, AttributeError, RuntimeError) as error:
-        _log.info("OpenBLAS's own dgemmt stays in use: %s", error)
+        _log.info("OpenBLAS's own gemmt stays in use: %s", error)
         return False
     return True
