@@ -11,22 +11,32 @@ elastic λ would have to be guessed; and the strainless motions are exact. Pairs
 left out by the same projection: blocks of b vectors see b vectors of an eigenvalue at a time.
 """
 
+import logging
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.analysis.davidson import BLOCK, RoughPreconditionerError, block_davidson
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
-from fenics_defo.analysis.lanczos import BLOCK, block_lanczos
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.stability import not_stable
+from fenics_defo.errors import SolverError
 from fenics_defo.fem.compat import PETSc
-from fenics_defo.fem.linalg import Factorization, multiply
+from fenics_defo.fem.linalg import Factorization, Precision, multiply
 from fenics_defo.fem.multigrid import MultigridSolver
 
 Array = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
+
+# Largest error of factors in single precision with which the search loses no steps.
+_ROUGH = 0.1
+# Relative residual of an inner solve by conjugate gradients.
+_INNER = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,23 +121,33 @@ class Deflation:
             self.strainless + rest.converged,
         )
 
-    def lanczos(
+    def direct(
         self, count: int, *, guard: int, tolerance: float, seed: int, phases: Phases
     ) -> Pairs:
-        """At least ``count`` of the remaining pairs and some guards by block Lanczos and MUMPS.
+        """At least ``count`` of the remaining pairs and some guards with MUMPS's factors.
 
         Raises:
             SolverError: no memory.
             EigenSolveError: they did not converge, or the state is not stable.
         """
-        with phases("factorise"), self.supported(self.problem.shift) as matrix:
-            factors = Factorization(matrix, definite=self.problem.definite)
-        with closing(factors), phases("solve"):
-            if not self.problem.definite and factors.negative_pivots:
-                raise not_stable(factors.negative_pivots)
-            return self._block_lanczos(factors, count, guard, tolerance=tolerance, seed=seed)
+        search = {"guard": guard, "tolerance": tolerance, "seed": seed}
+        if self.problem.definite:
+            try:
+                return self._direct(count, phases, "single", roughest=_ROUGH, **search)
+            except (SolverError, RoughPreconditionerError) as error:
+                _log.info("factors in double precision, as those in single fail: %s", error)
+        return self._direct(count, phases, "double", **search)
 
-    def multigrid_lanczos(
+    def _direct(self, count: int, phases: Phases, precision: Precision, **search: Any) -> Pairs:
+        problem = self.problem
+        with phases("factorise"), self.supported(problem.shift) as matrix:
+            factors = Factorization(matrix, definite=problem.definite, precision=precision)
+        with closing(factors), phases("solve"):
+            if not problem.definite and factors.negative_pivots:
+                raise not_stable(factors.negative_pivots)
+            return self._block_davidson(factors, count, **search)
+
+    def multigrid(
         self,
         count: int,
         near_kernel: Array,
@@ -144,44 +164,45 @@ class Deflation:
             EigenSolveError: the pairs did not converge.
         """
         with phases("factorise"), self.supported(self.problem.shift) as matrix:
-            solver = MultigridSolver(matrix, near_kernel, self.problem.free, rtol=1e-4 * tolerance)
+            solver = MultigridSolver(matrix, near_kernel, self.problem.free, rtol=_INNER)
         with closing(solver), phases("solve"):
-            return self._block_lanczos(solver, count, guard, tolerance=tolerance, seed=seed)
+            return self._block_davidson(solver, count, guard=guard, tolerance=tolerance, seed=seed)
 
-    def _block_lanczos(
+    def _block_davidson(
         self,
         solver: Factorization | MultigridSolver,
         count: int,
-        guard: int,
         *,
+        guard: int,
         tolerance: float,
         seed: int,
+        roughest: float = np.inf,
     ) -> Pairs:
         problem = self.problem
         rng = np.random.default_rng([seed, problem.comm.rank])
         width = min(BLOCK, self.remaining)
         vectors, momenta = self.known
 
-        def solve(block: Array) -> Array:
+        def precondition(block: Array) -> Array:
             if not vectors.shape[1]:
                 return solver.solve(block)
             loads = block - momenta @ problem.products(vectors, block)
             answer = solver.solve(np.asfortranarray(loads))
             return np.asfortranarray(answer - vectors @ problem.products(momenta, answer))
 
-        found = block_lanczos(
-            solve,
-            lambda block: multiply(problem.mass, block),
+        found = block_davidson(
+            precondition,
+            lambda block: multiply(problem.stiffness, block),
+            problem.mass.multiply,
             lambda: problem.random_block(rng, width),
             count,
             comm=problem.comm,
             independent=self.remaining,
             guard=min(guard, self.remaining - count),
             tolerance=tolerance,
+            roughest=roughest,
         )
-        # One inverse iteration more takes from all vectors at once what stiff motions they hold.
-        purified = solve(multiply(problem.mass, found.vectors)) / found.theta
-        return problem.ritz(purified, converged=found.converged)
+        return problem.ritz(found.vectors, converged=found.converged)
 
 
 def orthonormal_in_mass(problem: EigenProblem, fields: Array) -> tuple[Array, Array]:
@@ -193,8 +214,8 @@ def orthonormal_in_mass(problem: EigenProblem, fields: Array) -> tuple[Array, Ar
     if not fields.shape[1]:
         return fields, fields.copy()
     for _ in range(2):  # the second time removes what the first one's round-off left
-        products = problem.products(fields, multiply(problem.mass, fields))
+        products = problem.products(fields, problem.mass.multiply(fields))
         scale = 1.0 / np.sqrt(np.diag(products))
         values, turn = np.linalg.eigh(products * np.outer(scale, scale))
         fields = np.asfortranarray(fields @ (scale[:, None] * turn / np.sqrt(values)))
-    return fields, multiply(problem.mass, fields)
+    return fields, problem.mass.multiply(fields)

@@ -11,6 +11,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from fenics_defo.fem.linalg import Factorization, multiply
+from fenics_defo.fem.mass import ConsistentMass
 
 Array = NDArray[np.float64]
 
@@ -56,11 +57,11 @@ class Pairs:
 
 @dataclass
 class EigenProblem:
-    """K x = λ M x with K symmetric and M positive semidefinite; owns its matrices. Use in ``with``.
+    """K x = λ M x with K symmetric and M positive semidefinite.
 
     Args:
         stiffness: K [N/m], held rows with a positive diagonal.
-        mass: M [kg], held rows zero.
+        mass: M.
         shift: σ [rad²/s²], at or below the wanted λ.
         definite: whether K - σ M is known to be positive definite.
         independent: number of components that are not held.
@@ -68,7 +69,7 @@ class EigenProblem:
     """
 
     stiffness: PETSc.Mat
-    mass: PETSc.Mat
+    mass: ConsistentMass
     shift: float
     definite: bool
     independent: int
@@ -83,7 +84,9 @@ class EigenProblem:
         """K - shift M as a new matrix; the caller destroys it."""
         matrix = self.stiffness.copy()
         if shift:
-            matrix.axpy(-shift, self.mass, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+            mass = self.mass.matrix()
+            matrix.axpy(-shift, mass, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+            mass.destroy()
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return matrix
 
@@ -105,7 +108,7 @@ class EigenProblem:
     def ritz(self, vectors: Array, *, converged: int) -> Pairs:
         """Best pairs in the space of some vectors that are nearly orthonormal in M; collective."""
         vectors = np.asfortranarray(vectors)
-        forces, momenta = multiply(self.stiffness, vectors), multiply(self.mass, vectors)
+        forces, momenta = multiply(self.stiffness, vectors), self.mass.multiply(vectors)
         values, turn = scipy.linalg.eigh(
             self.products(vectors, forces), self.products(vectors, momenta)
         )

@@ -32,16 +32,14 @@ class Inertia:
 
 def body_inertia(solid: Solid) -> Inertia:
     """Integrate a body's inertia with its consistent mass; collective."""
-    assembly, comm = solid.assembly, solid.comm
-    local = solid.nodes.scatter(solid.points)
-    owned = assembly.owned
-    along_x = rigid_motions(local, np.zeros(3))[0]
-    share = assembly.momentum(along_x)[:owned, 0]
-    sums = np.append(share @ local[:owned], share.sum())
+    mass, comm = solid.assembly.mass, solid.comm
+    points = solid.nodes.scatter(solid.points)[: solid.assembly.owned]
+    share = mass.apply(np.ones((len(points), 1)))[:, 0]
+    sums = np.append(share @ points, share.sum())
     comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
     total, centre = float(sums[3]), sums[:3] / sums[3]
-    motions = rigid_motions(local, centre)
-    momenta = np.stack([assembly.momentum(motion)[:owned].ravel() for motion in motions], axis=1)
-    moments = np.einsum("ij,ji->j", momenta, motions[:, :owned].reshape(6, -1))
+    motions = rigid_motions(points, centre).transpose(1, 2, 0)
+    momenta = mass.apply(motions.reshape(len(points), 18)).reshape(-1, 6)
+    moments = np.einsum("ij,ij->j", momenta, motions.reshape(-1, 6))
     comm.Allreduce(MPI.IN_PLACE, moments, op=MPI.SUM)
     return Inertia(total, centre, moments, momenta)

@@ -33,7 +33,7 @@ def linear_modes(
     count: int,
     *,
     displacement: Array | None = None,
-    solver: Solver = "lanczos",
+    solver: Solver = "davidson",
     keep_rigid: bool = True,
     verify: bool = True,
     residual_tolerance: float | None = None,
@@ -54,8 +54,8 @@ def linear_modes(
             is never cut: its last members are returned beyond ``count``.
         displacement: (n, 3) [m] of the state that the body vibrates about (pre-stress); rest if not
             given.
-        solver: "lanczos": block Lanczos, shift and invert, factors by MUMPS; "krylov-schur":
-            SLEPc's, with the same factors, one vector at a time; "iterative": block Lanczos with
+        solver: "davidson": block Davidson with MUMPS's factors; "krylov-schur": SLEPc's
+            Krylov-Schur, shift and invert, one vector at a time; "iterative": block Davidson with
             inner solves by conjugate gradients and an algebraic multigrid that knows the rigid
             motions, for bodies whose factors do not fit into memory.
         keep_rigid: keep the rigid modes of a free body, as the first of the list.
@@ -179,11 +179,9 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
     local = None if rest else solid.nodes.scatter(np.asarray(displacement, np.float64))
     stiffness = assembly.stiffness_matrix(local)
     stack.callback(stiffness.destroy)
-    mass = assembly.mass_matrix()
-    stack.callback(mass.destroy)
     problem = EigenProblem(
         stiffness=stiffness,
-        mass=mass,
+        mass=assembly.mass,
         shift=0.0,
         definite=rest and solid.is_isotropic_at_rest,
         independent=int(solid.comm.allreduce(int(free.sum()))),
@@ -239,7 +237,7 @@ def _deflation(solid: Solid, problem: EigenProblem, motions: Array) -> Deflation
 def _first_elastic(problem: EigenProblem, fields: Array, rigid: int) -> float:
     """Rayleigh-Ritz estimate, from above, of the first λ that is no rigid motion's."""
     stiffness = problem.products(fields, multiply(problem.stiffness, fields))
-    mass = problem.products(fields, multiply(problem.mass, fields))
+    mass = problem.products(fields, problem.mass.multiply(fields))
     weight = np.sqrt(np.maximum(np.diag(mass), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(mass / np.outer(weight, weight))
     kept = values > 1e-10

@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.analysis.davidson import BLOCK
 from fenics_defo.analysis.deflation import Deflation
 from fenics_defo.analysis.eigenpairs import Pairs
-from fenics_defo.analysis.lanczos import BLOCK
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.slepc import krylov_schur
 from fenics_defo.analysis.spectrum import cluster_end
@@ -17,7 +17,7 @@ from fenics_defo.analysis.stability import not_stable
 from fenics_defo.errors import EigenSolveError
 
 Array = NDArray[np.float64]
-Solver = Literal["lanczos", "krylov-schur", "iterative"]
+Solver = Literal["davidson", "krylov-schur", "iterative"]
 
 _log = logging.getLogger(__name__)
 
@@ -129,15 +129,15 @@ class Search:
     def _remaining(self, deflation: Deflation, count: int, seed: int) -> Pairs:
         phases = self.phases
         match self.solver:
-            case "lanczos":
-                return deflation.lanczos(
+            case "davidson":
+                return deflation.direct(
                     count, guard=_GUARD, tolerance=_TOLERANCE, seed=seed, phases=phases
                 )
             case "krylov-schur":
                 self._refuse_unstable()
                 count = min(count + _GUARD, deflation.remaining)
                 return krylov_schur(deflation, count, tolerance=_TOLERANCE, phases=phases)
-        return deflation.multigrid_lanczos(
+        return deflation.multigrid(
             count,
             self.near_kernel,
             guard=_GUARD,

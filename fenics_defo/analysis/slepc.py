@@ -57,7 +57,7 @@ def krylov_schur(deflation: Deflation, count: int, *, tolerance: float, phases: 
             except (PETSc.Error, SystemError) as error:
                 raise SolverError(
                     f"SLEPc could not prepare {count} of {space} modes ({error}); use "
-                    "the direct solver (--solver lanczos, solver='lanczos')"
+                    "the direct solver (--solver davidson, solver='davidson')"
                 ) from error
         with phases("solve"):
             eps.solve()
@@ -84,7 +84,9 @@ def _operators(deflation: Deflation) -> Iterator[tuple[PETSc.Mat, PETSc.Mat]]:
     with ExitStack() as stack:
         stiffness = stack.enter_context(deflation.supported(0.0)).convert("aij", PETSc.Mat())
         stack.callback(stiffness.destroy)
-        mass = deflation.problem.mass.convert("aij", PETSc.Mat())
+        blocks = deflation.problem.mass.matrix()
+        stack.callback(blocks.destroy)
+        mass = blocks.convert("aij", PETSc.Mat())
         stack.callback(mass.destroy)
         yield stiffness, mass
 
@@ -117,7 +119,7 @@ def _vectors(problem: EigenProblem, eps: SLEPc.EPS, count: int) -> Array:
     if found < count:
         raise EigenSolveError(
             f"SLEPc found {found} of {count} modes in {eps.getIterationNumber()} iterations; "
-            "ask for fewer modes, or use the direct solver (--solver lanczos, solver='lanczos')"
+            "ask for fewer modes, or use the direct solver (--solver davidson, solver='davidson')"
         )
     vectors = np.empty((len(problem.free), found), order="F")
     vector = problem.stiffness.createVecRight()

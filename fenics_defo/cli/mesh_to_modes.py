@@ -131,10 +131,10 @@ def _add_modes(parser: Parser) -> None:
     )
     modes.add_argument(
         "--solver",
-        choices=("lanczos", "krylov-schur", "iterative"),
-        default="lanczos",
-        help="lanczos: our block Lanczos (default); krylov-schur: SLEPc's; iterative: block "
-        "Lanczos with multigrid, for bodies whose factors exceed the memory, without a count",
+        choices=("davidson", "krylov-schur", "iterative"),
+        default="davidson",
+        help="davidson: block Davidson with MUMPS (default); krylov-schur: SLEPc's; iterative: "
+        "with multigrid instead, for bodies whose factors exceed the memory, without a count",
     )
 
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.forms import BodyForms
+from fenics_defo.fem.mass import ConsistentMass, Entries
 
 Array = NDArray[np.float64]
-Entries = tuple[NDArray[np.int64], NDArray[np.int64], Array]
 
 # The block format inserts 3x3 blocks at once: 2.3 times faster than scalar insertion.
 _FORMAT = "baij"
@@ -24,9 +24,8 @@ _FORMAT = "baij"
 class Assembly:
     """Energy, force and matrices of a body over this rank's nodes, owned ones first.
 
-    Each form is compiled on its first use. Held components are kept in the matrices that are meant
-    for solving, as unit rows of the stiffness and zero rows of the mass: their eigenvalues lie at
-    infinity.
+    Each form is compiled on its first use. Held components are kept in the stiffness that is meant
+    for solving as unit rows, and in the mass as zero rows: their eigenvalues lie at infinity.
 
     Args:
         space: vector-valued displacement space.
@@ -92,12 +91,9 @@ class Assembly:
         return self._compiled(self._forms.rest_tangent)
 
     @cached_property
-    def _mass(self) -> "dolfinx.fem.Form":
-        return self._compiled(self._forms.mass)
-
-    @cached_property
-    def _momentum(self) -> "dolfinx.fem.Form":
-        return self._compiled(self._forms.momentum)
+    def mass(self) -> ConsistentMass:
+        """Consistent mass."""
+        return ConsistentMass(self._compiled(self._forms.mass), self._held)
 
     def _deform(self, local: Array) -> None:
         self._forms.displacement.x.array[:] = local.ravel()
@@ -112,11 +108,6 @@ class Assembly:
         self._deform(local)
         return self._vector(self._force)
 
-    def momentum(self, local: Array) -> Array:
-        """Consistent mass times a field (d, 3), complete at owned nodes."""
-        self._forms.carrier.x.array[:] = local.ravel()
-        return self._vector(self._momentum)
-
     def _vector(self, form: "dolfinx.fem.Form") -> Array:
         vector = dolfinx.fem.assemble_vector(form)
         vector.scatter_reverse(dolfinx.la.InsertMode.add)
@@ -130,10 +121,6 @@ class Assembly:
             diagonal: entry of the held rows.
         """
         return self._matrix(self._tangent_form(local), constrained=True, diagonal=diagonal)
-
-    def mass_matrix(self, *, diagonal: float = 0.0) -> PETSc.Mat:
-        """Consistent mass for solving, held rows replaced; the caller destroys it."""
-        return self._matrix(self._mass, constrained=True, diagonal=diagonal)
 
     def _tangent_form(self, local: Array | None) -> "dolfinx.fem.Form":
         if local is None:
@@ -155,10 +142,6 @@ class Assembly:
         """Rows, columns (global dofs of the space) and values of this rank's part of K(u)."""
         return self._entries(self._tangent_form(local))
 
-    def unconstrained_mass(self) -> Entries:
-        """Rows, columns and values of this rank's part of the consistent mass."""
-        return self._entries(self._mass)
-
     def _entries(self, form: "dolfinx.fem.Form") -> Entries:
         with _destroyed(self._matrix(form, constrained=False)) as matrix:
             plain = matrix.convert("aij", PETSc.Mat())
@@ -170,18 +153,9 @@ class Assembly:
 
     def lumped_mass(self) -> Array:
         """Mass of this rank's nodes (d,) [kg], complete at owned nodes; collective."""
-        with _destroyed(self._matrix(self._mass, constrained=False)) as matrix:
-            vector = matrix.getDiagonal()
-            diagonal = vector.array.reshape(-1, 3)[:, 0].copy()
-            vector.destroy()
-        diagonal *= self.total_mass() / self.comm.allreduce(float(diagonal.sum()))
+        diagonal = self.mass.diagonal()
+        diagonal *= self.mass.total() / self.comm.allreduce(float(diagonal.sum()))
         return np.append(diagonal, np.zeros(len(self._held) - self.owned))
-
-    def total_mass(self) -> float:
-        """Mass of the body [kg]; collective."""
-        along_x = np.zeros_like(self._held, dtype=float)
-        along_x[:, 0] = 1.0
-        return float(self.comm.allreduce(self.momentum(along_x)[: self.owned, 0].sum()))
 
 
 @contextmanager

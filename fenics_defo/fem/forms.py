@@ -72,9 +72,7 @@ class BodyForms:
         force: its derivative, the internal force f(u) [N].
         tangent: the derivative of that, K(u) [N/m].
         rest_tangent: K(0), written with the laws' moduli at rest where they are isotropic there.
-        mass: ∫ ρ u · v dX, the consistent mass [kg].
-        momentum: ∫ ρ w · v dX for a given field w, ``carrier``.
-        carrier: that field.
+        mass: ∫ ρ u v dX on scalar functions, the consistent mass of each component [kg].
     """
 
     displacement: "dolfinx.fem.Function"
@@ -83,8 +81,6 @@ class BodyForms:
     tangent: ufl.Form
     rest_tangent: ufl.Form
     mass: ufl.Form
-    momentum: ufl.Form
-    carrier: "dolfinx.fem.Function"
 
 
 def body_forms(
@@ -101,7 +97,6 @@ def body_forms(
         the symbolic forms; nothing is compiled yet.
     """
     u = dolfinx.fem.Function(space, name="displacement")
-    carrier = dolfinx.fem.Function(space)
     trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
     parts = _measures(space.mesh, fields.regions)
     F = deformation_gradient(u)
@@ -111,6 +106,7 @@ def body_forms(
     )
     force = ufl.derivative(energy, u, test)
     tangent = ufl.derivative(force, u, trial)
+    scalar = _scalar_space(space)
     dx = ufl.Measure("dx", space.mesh, metadata={"quadrature_degree": degrees.mass})
     return BodyForms(
         displacement=u,
@@ -123,10 +119,16 @@ def body_forms(
             else _at_zero(region, part(degree=degrees.energy), space, trial, test)
             for region, part in parts
         ),
-        mass=fields.density * ufl.inner(trial, test) * dx,
-        momentum=fields.density * ufl.inner(carrier, test) * dx,
-        carrier=carrier,
+        mass=fields.density * ufl.TrialFunction(scalar) * ufl.TestFunction(scalar) * dx,
     )
+
+
+def _scalar_space(space: "dolfinx.fem.FunctionSpace") -> "dolfinx.fem.FunctionSpace":
+    """Scalar functions on the nodes of a vector space, numbered alike."""
+    scalar = dolfinx.fem.functionspace(space.mesh, ("Lagrange", space.element.basix_element.degree))
+    if not np.array_equal(scalar.dofmap.list, space.dofmap.list):
+        raise RuntimeError("DOLFINx numbers the nodes of scalar and vector functions differently")
+    return scalar
 
 
 def _measures(

@@ -1,5 +1,9 @@
 """Direct and blocked linear algebra on PETSc matrices, with NumPy arrays in and out."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Literal
+
 from petsc4py import PETSc
 
 import numpy as np
@@ -9,6 +13,7 @@ from fenics_defo.errors import SolverError
 from fenics_defo.fem.compat import dolfinx  # noqa: F401  (PETSc's wheel wants DOLFINx's order of loading)
 
 Array = NDArray[np.float64]
+Precision = Literal["single", "double"]
 
 #: Prefix of PETSc's options for the factorisation: ``-fenics_defo_mat_mumps_icntl_7 4`` in
 #: ``PETSC_OPTIONS`` orders by PORD instead of METIS.
@@ -29,12 +34,16 @@ class Factorization:
         matrix: assembled symmetric matrix; not kept.
         definite: promise that it is positive definite, which spares the search for pivots. Without
             the promise the pivots' signs can be counted.
+        precision: of the factors. Those in "single" are half as large, cost half the time and solve
+            to a few digits only; where PETSc or MUMPS has none, they are in double precision.
 
     Raises:
         SolverError: the matrix is singular, or memory ran out.
     """
 
-    def __init__(self, matrix: PETSc.Mat, *, definite: bool) -> None:
+    def __init__(
+        self, matrix: PETSc.Mat, *, definite: bool, precision: Precision = "double"
+    ) -> None:
         # Half a symmetric matrix in 3x3 blocks: what MUMPS wants, without a search for the
         # triangle.
         self._matrix = matrix.convert("sbaij", PETSc.Mat())
@@ -50,9 +59,10 @@ class Factorization:
         factor.setMumpsIcntl(_MORE_MEMORY, 50)
         factor.setMumpsIcntl(_NULL_PIVOTS, 0 if definite else 1)
         factor.setOptionsPrefix(OPTIONS_PREFIX)
-        factor.setFromOptions()
         try:
-            self._solver.setUp()
+            with _option("pc_precision", precision):
+                factor.setFromOptions()
+                self._solver.setUp()
         except PETSc.Error as error:
             self.close()
             raise SolverError(f"MUMPS could not factorise the stiffness ({error})") from error
@@ -96,25 +106,35 @@ class Factorization:
         self._matrix.destroy()
 
 
+@contextmanager
+def _option(name: str, value: str) -> Iterator[None]:
+    """One of PETSc's options, unless the user has set it."""
+    options = PETSc.Options(OPTIONS_PREFIX)
+    if options.hasName(name):
+        yield
+        return
+    options.setValue(name, value)
+    try:
+        yield
+    finally:
+        options.delValue(name)
+
+
 def multiply(matrix: PETSc.Mat, block: Array) -> Array:
     """Matrix times a block of vectors; collective.
 
     Args:
-        matrix: square matrix.
+        matrix: square matrix, not one that holds its upper half only.
         block: (owned dofs, b) in Fortran order.
 
     Returns:
         (owned dofs, b) in Fortran order.
     """
-    result = np.empty_like(block, order="F")
-    (rows, _), (total, _) = matrix.getLocalSize(), matrix.getSize()
-    comm = matrix.getComm()
-    for column in range(block.shape[1]):
-        x = PETSc.Vec().createWithArray(block[:, column], size=(rows, total), comm=comm)
-        y = PETSc.Vec().createWithArray(result[:, column], size=(rows, total), comm=comm)
-        matrix.mult(x, y)
-        x.destroy()
-        y.destroy()
+    given = _dense(matrix, np.asfortranarray(block))
+    product = matrix.matMult(given)
+    result = np.array(product.getDenseArray(), order="F")
+    given.destroy()
+    product.destroy()
     return result
 
 

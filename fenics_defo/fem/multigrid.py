@@ -85,12 +85,12 @@ class MultigridSolver:
             raise SolverError(
                 "conjugate gradients met a matrix that is not positive definite: the given "
                 "displacement is not a stable state, or a part of the body hardly hangs on; "
-                "the direct solver tells more (--solver lanczos, solver='lanczos')"
+                "the direct solver tells more (--solver davidson, solver='davidson')"
             )
         if reason <= 0:
             raise SolverError(
                 f"conjugate gradients did not converge in {steps} iterations; use the direct "
-                "solver (--solver lanczos, solver='lanczos'), or improve the mesh's slivers"
+                "solver (--solver davidson, solver='davidson'), or improve the mesh's slivers"
             )
 
     def _scale_held_rows(self) -> None:

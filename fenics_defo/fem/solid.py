@@ -180,7 +180,7 @@ class Solid:
 
     def mass(self) -> sparse.csr_array:
         """Consistent mass matrix (3n, 3n) [kg], without constraints, rows as in `tangent`."""
-        return self._gather_matrix(self.assembly.unconstrained_mass())
+        return self._gather_matrix(self.assembly.mass.entries())
 
     def lumped_mass(self) -> Array:
         """Mass of each node (n,) [kg]: the consistent mass's diagonal, scaled to the body's mass.
@@ -191,7 +191,7 @@ class Solid:
 
     def total_mass(self) -> float:
         """Mass of the body [kg]."""
-        return self.assembly.total_mass()
+        return self.assembly.mass.total()
 
     def _local(self, displacement: Array | None) -> Array:
         """This rank's part of a displacement; zeros for rest."""

@@ -53,7 +53,7 @@ def said(err: str, command: str = "mesh-to-modes") -> str:
         ("--vtk modes.stl", "modes.stl.*.vtu"),
         ("--picture modes.jpg", "modes.jpg.*png"),
         ("--output modes.vtu --vtk ./modes.vtu", "--vtk and --output name the same file"),
-        ("--solver magic", "lanczos"),
+        ("--solver magic", "davidson"),
         ("--frobnicate", "--frobnicate.*--help"),
         ("--coun 3", "--coun"),
     ],

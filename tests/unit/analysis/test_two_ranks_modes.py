@@ -14,9 +14,9 @@ from fenics_defo.runtime import load_modes, mac
 HERE = Path(__file__).parent
 
 CASES = {
-    "lanczos free": ({}, {"count": 14}),
-    "lanczos clamped": ({"fixed": ["x==0"]}, {"count": 5}),
-    "lanczos partly": ({"fixed": [Fixed("x==0", "yz"), Fixed("z==0", "z")]}, {"count": 5}),
+    "davidson free": ({}, {"count": 14}),
+    "davidson clamped": ({"fixed": ["x==0"]}, {"count": 5}),
+    "davidson partly": ({"fixed": [Fixed("x==0", "yz"), Fixed("z==0", "z")]}, {"count": 5}),
     "krylov-schur free": ({}, {"count": 14, "solver": "krylov-schur"}),
     "iterative free": ({}, {"count": 14, "solver": "iterative"}),
     "iterative clamped": ({"fixed": ["x==0"]}, {"count": 5, "solver": "iterative"}),
@@ -37,7 +37,7 @@ def write_all(folder):
         if solid.comm.rank == 0:
             modes.save(Path(folder, f"{case}.npz"))
     try:
-        linear_modes(solid_of("lanczos free"), 0)
+        linear_modes(solid_of("davidson free"), 0)
     except DefoError as error:
         print(error, flush=True)
     else:

@@ -43,7 +43,7 @@ def numbers(solid: fem.Solid) -> dict[str, Array]:
     """Everything a body gives, at a bent displacement."""
     u = bend(solid)
     held = solid.nodes.scatter(solid.held)
-    K, M = solid.assembly.stiffness_matrix(diagonal=5.0), solid.assembly.mass_matrix()
+    K, M = solid.assembly.stiffness_matrix(diagonal=5.0), solid.assembly.mass.matrix()
     norms = [K.norm(), M.norm(), K.getDiagonal().norm(), M.getDiagonal().norm()]
     K.destroy()
     M.destroy()

@@ -190,7 +190,7 @@ def test_constraints_hold_components() -> None:
     x, y, _ = solid.points.T
     root, end, side = x < 1e-9, x > 1.99, y < 1e-9
     np.testing.assert_array_equal(solid.held, np.column_stack([root | end, root | end, end | side]))
-    K, M = solid.assembly.stiffness_matrix(diagonal=3.0), solid.assembly.mass_matrix()
+    K, M = solid.assembly.stiffness_matrix(diagonal=3.0), solid.assembly.mass.matrix()
     held = solid.nodes.scatter(solid.held).ravel()
     dense, plain = (dense_of(A) for A in (K, M))
     K.destroy()
@@ -240,14 +240,14 @@ def test_nothing_is_compiled_twice(monkeypatch: pytest.MonkeyPatch) -> None:
 
     first = fem.Solid(mesh_of(mesh), NEO)
     use(first)
-    assert len(calls) == 6  # energy, force, two tangents, mass, momentum
+    assert len(calls) == 5  # energy, force, two tangents, mass
     use(first)
-    assert len(calls) == 6
+    assert len(calls) == 5
     compilations.clear()
     stiffer = NeoHookean(young=3.3e5, poisson=0.11, density=77.0)
     use(fem.Solid(mesh_of(mesh), stiffer, fixed=["root"]))
     use(fem.Solid(mesh_of(mesh), {None: NEO, "left": stiffer}))
-    assert len(calls) == 18
+    assert len(calls) == 15
     assert not compilations
 
 
