@@ -62,3 +62,8 @@ def cross(a: Array, b: Array) -> Array:
     for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
         np.subtract(a[j] * b[k], a[k] * b[j], out=result[i])
     return result
+
+
+def rows(value: Array | float, part: slice) -> Array | float:
+    """What a batch sees of a number, or of one number a point (m,)."""
+    return value[part] if isinstance(value, np.ndarray) and value.ndim else value

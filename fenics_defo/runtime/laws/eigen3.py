@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.runtime.laws.batches import product, transpose
+
 type Array = NDArray[np.float64]
 
 _SWEEPS = 12  # five are the most that were ever seen to be needed
@@ -57,3 +59,24 @@ def rotated(x: Array, y: Array, cosine: Array, sine: Array) -> tuple[Array, Arra
     other = sine * x
     other += cosine * y
     return new, other
+
+
+def raise_to_zero(A: Array) -> Array:
+    """The symmetric matrices nearest to A (3, 3, b) that have no negative eigenvalue.
+
+    A itself, bit for bit, where its leading minors show that it has none.
+    """
+    second = A[0, 0] * A[1, 1] - A[0, 1] * A[0, 1]
+    third = (
+        A[0, 0] * (A[1, 1] * A[2, 2] - A[1, 2] * A[1, 2])
+        - A[0, 1] * (A[0, 1] * A[2, 2] - A[1, 2] * A[0, 2])
+        + A[0, 2] * (A[0, 1] * A[1, 2] - A[1, 1] * A[0, 2])
+    )
+    some = np.flatnonzero(~((A[0, 0] > 0.0) & (second > 0.0) & (third > 0.0)))
+    if some.size == 0:
+        return A
+    values, vectors = symmetric_eigen(A[:, :, some])
+    result = A.copy()
+    scaled = vectors * np.maximum(values, 0.0)
+    result[:, :, some] = product(scaled, transpose(vectors))
+    return result
