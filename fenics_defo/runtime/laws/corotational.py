@@ -114,9 +114,7 @@ def _spin_weights(
     return weights
 
 
-def _write_tangent(
-    out: Array, R: Array, W: Array, mu: Array | float, lmbda: Array | float
-) -> None:
+def _write_tangent(out: Array, R: Array, W: Array, mu: Array | float, lmbda: Array | float) -> None:
     """2μ δ_ik δ_jl + λ R_ij R_kl + W_ab (T_a)_ij (T_b)_kl; the rows of T are (r_i × e_a)_j."""
     scaled = lmbda * R
     turned = [_crossed(R[i], W) for i in range(3)]  # [r_i]× W
