@@ -1,5 +1,6 @@
 """Isotropic energies as functions of the principal stretches."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from fenics_defo.energy.material import IsotropicMaterial
 
 type Array = NDArray[np.float64]
 
+_CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
@@ -36,8 +38,9 @@ class StretchEnergy:
             MaterialError: the energy is no scalar, or holds what has no value at one point.
         """
         invariants = [ufl.variable(ufl.as_ufl(1.0)) for _ in range(3)]
+        I1, I2, J = invariants
         symbols = {name: ufl.variable(ufl.as_ufl(1.0)) for name in material.parameters}
-        energy = ufl.as_ufl(material.invariant_energy(*invariants, symbols))
+        energy = ufl.as_ufl(material.invariant_energy(I1, I2, J, symbols))
         first = [ufl.diff(energy, invariant) for invariant in invariants]
         second = [ufl.diff(first[a], invariants[b]) for a, b in _PAIRS]
         program = Program([energy, *first, *second], [*invariants, *symbols.values()])
@@ -57,27 +60,30 @@ class StretchEnergy:
             the three, the latter as views of arrays with the points last.
         """
         s = stretches.T
-        squares = s * s
+        squares, twice = s * s, 2.0 * s
         I1 = squares[0] + squares[1] + squares[2]
-        others = I1 - squares  # Σ_{j≠i} s_j²
-        I2 = squares[0] * squares[1] + squares[2] * others[2]
-        minors = np.stack([s[1] * s[2], s[0] * s[2], s[0] * s[1]])
-        J = s[0] * minors[0]
+        others = np.stack([squares[j] + squares[k] for _, j, k in _CYCLIC])
+        minors = np.stack([s[j] * s[k] for _, j, k in _CYCLIC])
+        I2, J = squares[0] * squares[1] + squares[2] * others[2], s[0] * minors[0]
         energy, *rest = self.program(I1, I2, J, *parameters)
         slopes, curvatures = rest[:3], dict(zip(_PAIRS, rest[3:], strict=True))
-        twice = 2.0 * s
         gradients = (twice, twice * others, minors)  # of I1, I2 and J, each (3, b)
-        stress = sum(slope * gradient for slope, gradient in zip(slopes, gradients, strict=True))
         second = np.empty((3, 3, *J.shape))
-        # Rows of Σ_b ∂²ψ/∂a∂b ∂_j b for a = I1, I2, J.
-        rows = [
-            sum(curvatures[min(a, b), max(a, b)] * gradients[b] for b in range(3)) for a in range(3)
+        # Σ_b ∂²ψ/∂a∂b ∂_j b for a = I1, I2, J.
+        mixed = [
+            _dot([curvatures[min(a, b), max(a, b)] for b in range(3)], gradients) for a in range(3)
         ]
-        for i, j in _PAIRS:
-            entry = sum(gradients[a][i] * rows[a][j] for a in range(3))
-            if i == j:
-                entry = entry + 2.0 * (slopes[0] + slopes[1] * others[i])
-            else:
-                entry = entry + slopes[1] * (twice[i] * twice[j]) + slopes[2] * s[3 - i - j]
+        for i, j, k in _CYCLIC:
+            second[i, i] = _dot([gradient[i] for gradient in gradients], [m[i] for m in mixed])
+            second[i, i] += 2.0 * (slopes[0] + slopes[1] * others[i])
+            entry = _dot([gradient[i] for gradient in gradients], [m[j] for m in mixed])
+            entry += slopes[1] * (twice[i] * twice[j]) + slopes[2] * s[k]
             second[i, j] = second[j, i] = entry
-        return energy, stress.T, second.transpose(2, 0, 1)
+        return energy, _dot(slopes, gradients).T, second.transpose(2, 0, 1)
+
+
+def _dot(a: Sequence[Array], b: Sequence[Array]) -> Array:
+    result: Array = a[0] * b[0]
+    result += a[1] * b[1]
+    result += a[2] * b[2]
+    return result

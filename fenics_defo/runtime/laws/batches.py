@@ -72,3 +72,12 @@ def rows(value: Array | float, part: slice) -> Array | float:
 def outer(a: Array, b: Array) -> Array:
     """A ⊗ b (3, 3, b) of vectors (3, b)."""
     return a[:, None] * b
+
+
+def store_block(out: Array, block: Array, i: int, k: int) -> None:
+    """Write A_ijkl and its mirror A_klij from ``block``_jl (3, 3, b)."""
+    for j in range(3):
+        for m in range(3):
+            out[:, i, j, k, m] = block[j, m]
+            if i != k:
+                out[:, k, m, i, j] = block[j, m]

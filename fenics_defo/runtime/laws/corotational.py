@@ -12,6 +12,7 @@ from fenics_defo.runtime.laws.batches import (
     inner,
     product,
     rows,
+    store_block,
     transpose,
 )
 from fenics_defo.runtime.laws.eigen3 import raise_to_zero
@@ -127,11 +128,7 @@ def _write_tangent(out: Array, R: Array, W: Array, mu: Array | float, lmbda: Arr
             if i == k:
                 for j in range(3):
                     block[j, j] += twice
-            for j in range(3):
-                for l in range(3):
-                    out[:, i, j, k, l] = block[j, l]
-                    if i != k:
-                        out[:, k, l, i, j] = block[j, l]
+            store_block(out, block, i, k)
 
 
 def _crossed(r: Array, A: Array) -> Array:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.runtime.laws.batches import outer
+from fenics_defo.runtime.laws.batches import outer, store_block
 from fenics_defo.runtime.laws.continuation import PrincipalState
 from fenics_defo.runtime.laws.eigen3 import raise_to_zero
 
@@ -90,12 +90,3 @@ def _write(out: Array, U: Array, V: Array, M: dict[tuple[int, int], Array]) -> N
             block += rows[1] * U[k, 1]
             block += rows[2] * U[k, 2]
             store_block(out, block, i, k)
-
-
-def store_block(out: Array, block: Array, i: int, k: int) -> None:
-    """Write A_ijkl and its mirror A_klij from ``block``_jl (3, 3, b)."""
-    for j in range(3):
-        for m in range(3):
-            out[:, i, j, k, m] = block[j, m]
-            if i != k:
-                out[:, k, m, i, j] = block[j, m]
