@@ -1,0 +1,1 @@
+"""Scenes: what a TOML file says, and its simulation."""
