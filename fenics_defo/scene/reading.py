@@ -13,6 +13,7 @@ from fenics_defo.scene import load_schema, schema
 from fenics_defo.scene.records import (
     DampingTable,
     InitialTable,
+    LoadTable,
     OutputTable,
     RequireTable,
     Scene,
@@ -57,17 +58,22 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
 
     probes = each("probe", schema.read_probe)
     _check_unique(place, [probe.name for probe in probes])
+    time = schema.read_time(Table(place, "[time]", tables["time"]))
+    loads = each("load", load_schema.read_load)
+    initial = single("initial", schema.read_initial, InitialTable())
+    if time.is_static:
+        _check_static(place, loads, initial)
     return Scene(
         path=place,
         mesh=schema.read_mesh_table(Table(place, "[mesh]", tables["mesh"])),
         materials=_materials(place, tables.get("material", [])),
         fixed=each("fixed", load_schema.read_fixed),
-        loads=each("load", load_schema.read_load),
+        loads=loads,
         damping=single("damping", schema.read_damping, DampingTable()),
-        time=schema.read_time(Table(place, "[time]", tables["time"])),
+        time=time,
         solver=single("solver", schema.read_solver, SolverTable()),
         probes=probes,
-        initial=single("initial", schema.read_initial, InitialTable()),
+        initial=initial,
         output=single("output", schema.read_output, OutputTable()),
         require=single("require", schema.read_require, RequireTable()),
         tables=tables,
@@ -135,3 +141,18 @@ def _check_unique(path: Path, names: list[str]) -> None:
                 f"{path}: [[probe]] {i + 1}: name {name!r} is taken by another probe; "
                 "give each its own"
             )
+
+
+def _check_static(path: Path, loads: tuple[LoadTable, ...], initial: InitialTable) -> None:
+    """Refuse what has no meaning without inertia."""
+    for i, load in enumerate(loads, 1):
+        if load.kind == "impulse":
+            raise SceneError(
+                f"{path}: [[load]] {i}: an impulse has no place where [time] integrator = "
+                '"static"; leave it out, or choose another integrator'
+            )
+    if any(initial.velocity) or any(initial.spin):
+        raise SceneError(
+            f'{path}: [initial]: velocity and spin have no place where [time] integrator = "static"'
+            "; leave them out, or choose another integrator"
+        )

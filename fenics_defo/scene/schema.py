@@ -77,6 +77,13 @@ def read_time(table: Table) -> TimeTable:
             "has newton beside tolerance; give newton = 1 for so many iterations a step, "
             "or tolerance = 1e-8 for iterations until it is met"
         )
+    beta = table.number("beta", default=0.25, above=0.0, example="0.25")
+    gamma = table.number("gamma", default=0.5, least=0.5, example="0.5")
+    if not 2.0 * beta >= gamma:
+        raise table.error(
+            f"beta = {beta!r} must be at least half of gamma = {gamma!r}, else no step is stable; "
+            "the usual values are beta = 0.25 and gamma = 0.5"
+        )
     converge = static or "tolerance" in table
     return TimeTable(
         integrator=integrator,
@@ -84,8 +91,8 @@ def read_time(table: Table) -> TimeTable:
         duration=duration,
         newton=None if converge else table.count("newton", default=1, example="1"),
         tolerance=_optional(table, "tolerance", most=0.1, example="1e-8"),
-        beta=table.number("beta", default=0.25, above=0.0, most=0.5, example="0.25"),
-        gamma=table.number("gamma", default=0.5, least=0.5, most=1.0, example="0.5"),
+        beta=beta,
+        gamma=gamma,
     )
 
 

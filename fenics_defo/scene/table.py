@@ -13,6 +13,8 @@ Vector = tuple[float, float, float]
 
 AXES = "xyz"
 
+_NODE_FILE = "nodes:"
+
 
 @dataclass(frozen=True, slots=True)
 class Table:
@@ -136,7 +138,10 @@ class Table:
         return value
 
     def selection(self, key: str = "region") -> str | int:
-        """A selection of the mesh: a group's name or number, a comparison, ``nodes:FILE``."""
+        """A selection of the mesh: a group's name or number, a comparison, ``nodes:FILE``.
+
+        A relative FILE counts from the folder of the scene file.
+        """
         value = self.need(key, "\"a group's name\" or 'x<1e-6'")
         if isinstance(value, bool) or not (
             isinstance(value, int) or (isinstance(value, str) and value.strip())
@@ -145,6 +150,8 @@ class Table:
                 f"{key} must be a selection (a group's name or number, a comparison such as "
                 f"'x<1e-6', or 'nodes:FILE'), got {value!r}"
             )
+        if isinstance(value, str) and value.startswith(_NODE_FILE):
+            return f"{_NODE_FILE}{self.path.parent / value.removeprefix(_NODE_FILE).strip()}"
         return value
 
     def vector(self, key: str, *, unit: str, example: str, default: Vector | None = None) -> Vector:
