@@ -1,19 +1,22 @@
-"""``fenics-defo``: what is done with files of ours besides computing modes."""
+"""``fenics-defo``: scenes simulated, and what files of ours hold."""
 
 import sys
+import time
 from argparse import Namespace
 
 from fenics_defo import __version__
 from fenics_defo.cli.command import Parser, Run, number, run
+from fenics_defo.cli.simulate_options import add_simulate
 
 
 def build_parser() -> Parser:
     """Return the parser of the command line."""
-    parser = Parser(prog="fenics-defo", description="Deformable solids: tools for their files.")
+    parser = Parser(prog="fenics-defo", description="Deformable solids: simulation, files.")
     parser.add_argument("--version", action="version", version=f"fenics_defo {__version__}")
     commands = parser.add_subparsers(
         title="commands", dest="command", metavar="COMMAND", required=True, parser_class=Parser
     )
+    add_simulate(commands)
     what = "what a mesh file or a file of modes holds"
     info = commands.add_parser(
         "info",
@@ -45,10 +48,25 @@ def main(argv: list[str] | None = None) -> int:
         options = build_parser().parse_args(argv)
     except SystemExit as leaving:  # --help, --version, or an error already told
         return int(leaving.code or 0)
-    return run("fenics-defo", lambda current: _work(options, current))
+    begin = time.perf_counter()
+    if options.command == "simulate":
+        return run("fenics-defo", lambda current: _simulate(options, current, begin))
+    return run("fenics-defo", lambda current: _tell_content(options, current))
 
 
-def _work(options: Namespace, current: Run) -> None:
+def _simulate(options: Namespace, current: Run, begin: float) -> None:
+    # Late imports, as below.
+    from fenics_defo.cli.output import libraries_on_stderr, loading_libraries
+    from fenics_defo.cli.progress import progress_shown
+
+    with progress_shown(show=current.is_first) as progress:
+        progress.start("load")
+        with libraries_on_stderr(), loading_libraries():
+            from fenics_defo.cli.simulate_run import simulate_and_print
+        simulate_and_print(options, current, progress, begin)
+
+
+def _tell_content(options: Namespace, current: Run) -> None:
     if not current.is_first:  # started by mpiexec: nothing here needs several processes
         return
     # Late imports: they load NumPy and, for a mesh, DOLFINx and its company.

@@ -125,18 +125,22 @@ class _Run:
             newton_iterations=0, linear_iterations=0, halvings=0, peaks=(0.0,) * len(self._names)
         )
         self._saved = time.monotonic()
+        self._begun_at = 0
+        self._is_recorded = False  # whether the tables and the series are up to the state
 
     def go(self, found: Checkpoint | None) -> dict[str, Any]:
         """Do all the steps that are left."""
         phases, simulation = self._watcher.phases, self._simulation
         if found is not None:
             simulation.restore(found.state, found.energies)
-            self._tally = found.tally
+            self._tally, self._begun_at = found.tally, found.state.step
         self._on_first(lambda: self._open(found))
         try:
             if found is None:
                 self._write_row()
                 self._write_frame()
+            self._is_recorded = True
+            if found is None:
                 self._save()
             self._summarise("running")
             with phases("simulate"):
@@ -156,11 +160,12 @@ class _Run:
             if self._any(self._watcher.stop()):
                 return "interrupted"
             self._count(simulation.advance())
-            step = simulation.steps
+            step, self._is_recorded = simulation.steps, False
             if step == total or step % self._scene.output.rows == 0:
                 self._write_row()
             if step == total or is_frame(step, self._scene.time, self._scene.output):
                 self._write_frame()
+            self._is_recorded = True
             if step < total and self._any(self._is_due(step)):
                 self._save()
                 self._summarise("running")
@@ -172,9 +177,13 @@ class _Run:
         return self._summarise(status)
 
     def _end_early(self, error: DefoError) -> None:
-        """Keep the last good state, if that is possible: the error is what is told."""
+        """Keep the last good state, if that is possible: the error is what is told.
+
+        Where writing failed the earlier checkpoint stands: rows would be missing after this one.
+        """
         with contextlib.suppress(DefoError, OSError):
-            self._save()
+            if self._is_recorded:
+                self._save()
             self._summarise("failed", str(error))
 
     def _open(self, found: Checkpoint | None) -> None:
@@ -241,7 +250,9 @@ class _Run:
                 probes=probes,
                 energies=energies,
                 tally=self._tally,
+                begun_at=self._begun_at,
                 frames=len(self._open_files.frame_times),
+                folder=str(self._folder),
                 files=self._open_files.files,
                 seconds=self._watcher.phases.seconds,
             )

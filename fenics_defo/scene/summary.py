@@ -24,7 +24,9 @@ def summary_record(
     probes: Sequence[NDArray[np.float64]],
     energies: Energies,
     tally: Tally,
+    begun_at: int,
     frames: int,
+    folder: str,
     files: Sequence[str],
     seconds: Mapping[str, float],
 ) -> dict[str, Any]:
@@ -39,17 +41,19 @@ def summary_record(
         probes: displacement (3,) of each probe now [m].
         energies: now [J].
         tally: what the run has added up.
+        begun_at: step that this process went on from.
         frames: number of frames.
+        folder: name of the folder.
         files: names of the files written.
         seconds: phase -> time on the clock, of this process alone [s].
     """
-    critical = simulation.critical_step
     record: dict[str, Any] = {
         "status": status,
         "time": simulation.time,
         "duration": scene.time.duration,
         "steps": simulation.steps,
         "steps_in_all": scene.time.steps,
+        "steps_now": simulation.steps - begun_at,
         "step": scene.time.step,
         "integrator": scene.time.integrator,
         "linear_solver": scene.solver.linear,
@@ -63,22 +67,23 @@ def summary_record(
         "probes": {
             probe.name: {
                 "point": list(probe.point),
-                "displacement": displacement.tolist(),
-                "largest": peak,
+                "displacement": [_number(value) for value in displacement],
+                "largest": _number(peak),
             }
             for probe, displacement, peak in zip(scene.probes, probes, tally.peaks, strict=True)
         },
         "energies": {
-            "kinetic": energies.kinetic,
-            "strain": energies.strain,
-            "external": energies.external,
-            "dissipated": energies.dissipated,
+            "kinetic": _number(energies.kinetic),
+            "strain": _number(energies.strain),
+            "external": _number(energies.external),
+            "dissipated": _number(energies.dissipated),
         },
         "newton_iterations": tally.newton_iterations,
         "linear_iterations": tally.linear_iterations,
         "halvings": tally.halvings,
-        "critical_step": critical if math.isfinite(critical) else None,
+        "critical_step": _number(simulation.critical_step),
         "frames": frames,
+        "folder": folder,
         "files": list(files),
         "notes": list(solid.record.notes),
         "seconds": dict(seconds),
@@ -87,3 +92,8 @@ def summary_record(
     if error is not None:
         record["error"] = error
     return record
+
+
+def _number(value: float) -> float | None:
+    """The number for JSON, which has neither infinity nor NaN."""
+    return float(value) if math.isfinite(value) else None

@@ -73,8 +73,18 @@ class CsvTable:
         self._write((",".join(map(repr, numbers)) + "\n").encode())
 
     def sync(self) -> None:
-        """Wait until the disk has all rows, which then survive a power cut too."""
-        os.fsync(self._file)
+        """Wait until the disk has all rows, which then survive a power cut too.
+
+        Raises:
+            DefoError: it does not take them.
+        """
+        try:
+            os.fsync(self._file)
+        except OSError as error:
+            raise DefoError(
+                f"{self._path}: the disk does not take what was written: {error.strerror}; "
+                "make room and continue."
+            ) from error
 
     def close(self) -> None:
         """Close the file."""
