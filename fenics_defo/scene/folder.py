@@ -46,8 +46,11 @@ class ResultFolder:
     ) -> None:
         self.path = Path(folder)
         make_folder(self.path)
-        if resume is None:  # before the results go that it belongs to
+        if resume is None:  # before the results go that they speak of
+            (self.path / SUMMARY).unlink(missing_ok=True)
             (self.path / CHECKPOINT).unlink(missing_ok=True)
+            if mesh is None:
+                FrameSeries.remove(self.path, SERIES)
         columns = ["time", *(f"{name}_{axis}" for name in probes for axis in "xyz")]
         sizes: tuple[int | None, int | None] = (None, None) if resume is None else resume.sizes
         self._probes = CsvTable(self.path / PROBES, columns, size=sizes[0])

@@ -5,6 +5,7 @@ two is replaced at once: whenever a run is killed, the index opens and all it na
 The index is ParaView's collection format, ``.pvd``.
 """
 
+import contextlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -57,6 +58,16 @@ class FrameSeries:
                 )
         self._write_index()  # before frames go that an earlier index names
         self._remove_after(len(self._times))
+
+    @staticmethod
+    def remove(folder: str | os.PathLike[str], name: str) -> None:
+        """Remove a series, its index first; nothing else in its folder of frames."""
+        (Path(folder) / f"{name}.pvd").unlink(missing_ok=True)
+        frames = Path(folder) / name
+        for path in frames.glob("frame_*.vtu"):
+            path.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # it is not there, or holds files of others
+            frames.rmdir()
 
     @property
     def times(self) -> tuple[float, ...]:
