@@ -30,7 +30,8 @@ The tables of a scene
   [initial]     displacement, velocity, spin, stretch: vectors; mode, amplitude
   [time]        integrator = "implicit-newmark" | "backward-euler" | "static" |
                 "central-differences" | "symplectic-euler"
-                step, duration [s]; newton = 1, or tolerance to converge
+                step, duration [s]; newton = 1, or tolerance to converge; beta,
+                gamma (Newmark); allow_unstable (explicit)
   [solver]      linear = "cholesky" | "pcg-jacobi" | "pcg-amg", tolerance
   [[probe]]     name, point = [x, y, z]
   [output]      rows = steps a row; every = steps or interval = seconds a frame;

@@ -31,7 +31,7 @@ from fenics_defo.analysis import (
     linear_modes,
     mode_displacement,
 )
-from fenics_defo.errors import LoadError, MaterialError, SceneError, SelectionError
+from fenics_defo.errors import LoadError, MaterialError, SceneError, SelectionError, StepSizeError
 from fenics_defo.fem import Fixed, Solid, read_mesh
 from fenics_defo.scene.records import FixedTable, HistoryTable, LoadTable, Scene, TimeTable
 from fenics_defo.scene.table import AXES
@@ -159,6 +159,7 @@ def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simul
             initial=initial,
             prescribed=build_prescribed(scene),
             probes={probe.name: probe.point for probe in scene.probes},
+            allow_unstable=time.allow_unstable,
         )
 
 
@@ -226,8 +227,10 @@ def _unheld(field: Array, solid: Solid) -> Array:
 
 @contextmanager
 def _told(scene: Scene, where: str) -> Iterator[None]:
-    """Name the scene file and the table in errors about loads, materials and selections."""
+    """Name the scene file and the table in errors about what the tables ask for."""
     try:
         yield
+    except StepSizeError as error:
+        raise StepSizeError(f"{scene.path}: [time]: {error}") from error
     except (LoadError, MaterialError, SelectionError) as error:
         raise type(error)(f"{scene.path}: {where}: {error}") from error

@@ -119,6 +119,7 @@ class TimeTable:
         tolerance: of a converged Newton iteration, relative; None for its default.
         beta: of Newmark's method.
         gamma: of Newmark's method.
+        allow_unstable: whether an explicit method may go beyond its largest stable step.
     """
 
     integrator: str
@@ -128,6 +129,7 @@ class TimeTable:
     tolerance: float | None = None
     beta: float = 0.25
     gamma: float = 0.5
+    allow_unstable: bool = False
 
     @property
     def is_static(self) -> bool:

@@ -239,6 +239,7 @@ class _Run:
     def _summarise(self, status: str, error: str | None = None) -> dict[str, Any]:
         simulation = self._simulation
         probes, energies = [simulation.probe(name) for name in self._names], simulation.energies
+        critical_step = simulation.critical_step
 
         def write() -> dict[str, Any]:
             record = summary_record(
@@ -249,6 +250,7 @@ class _Run:
                 error=error,
                 probes=probes,
                 energies=energies,
+                critical_step=critical_step,
                 tally=self._tally,
                 begun_at=self._begun_at,
                 frames=len(self._open_files.frame_times),

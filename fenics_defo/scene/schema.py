@@ -56,7 +56,9 @@ def read_time(table: Table) -> TimeTable:
     keys: tuple[str, ...] = ("integrator", "step", "duration")
     if integrator == "static":
         keys = (*keys, "tolerance")
-    elif integrator not in _EXPLICIT:
+    elif integrator in _EXPLICIT:
+        keys = (*keys, "allow_unstable")
+    else:
         keys = (*keys, "newton", "tolerance")
     newmark = ("beta", "gamma") if integrator == "implicit-newmark" else ()
     table.only((*keys, *newmark), of=f'the integrator "{integrator}"')
@@ -93,6 +95,7 @@ def read_time(table: Table) -> TimeTable:
         tolerance=_optional(table, "tolerance", most=0.1, example="1e-8"),
         beta=beta,
         gamma=gamma,
+        allow_unstable=table.flag("allow_unstable", default=False),
     )
 
 

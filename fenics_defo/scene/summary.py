@@ -23,6 +23,7 @@ def summary_record(
     error: str | None,
     probes: Sequence[NDArray[np.float64]],
     energies: Energies,
+    critical_step: float,
     tally: Tally,
     begun_at: int,
     frames: int,
@@ -40,6 +41,7 @@ def summary_record(
         error: why it failed.
         probes: displacement (3,) of each probe now [m].
         energies: now [J].
+        critical_step: largest stable step [s]; infinite for implicit methods.
         tally: what the run has added up.
         begun_at: step that this process went on from.
         frames: number of frames.
@@ -81,7 +83,7 @@ def summary_record(
         "newton_iterations": tally.newton_iterations,
         "linear_iterations": tally.linear_iterations,
         "halvings": tally.halvings,
-        "critical_step": _number(simulation.critical_step),
+        "critical_step": _number(critical_step),
         "frames": frames,
         "folder": folder,
         "files": list(files),

@@ -70,9 +70,8 @@ def test_a_beam_under_its_weight(simulate: Simulate, folder: Path) -> None:
     probes, energy = table("out/probes.csv"), table("out/energy.csv")
     assert probes.dtype.names == ("time", "tip_x", "tip_y", "tip_z")
     assert len(probes) == len(energy) == 11
-    # It begins to fall freely, before the waves from the wall are there, and then lags behind.
-    assert probes["tip_z"][1] == pytest.approx(-0.5 * 9.81 * 0.01**2, rel=0.1)
-    assert -0.5 * 9.81 * 0.1**2 < probes["tip_z"][-1] < 0.0
+    # The tip falls freely before the waves from the wall are there.
+    np.testing.assert_allclose(probes["tip_z"], -0.5 * 9.81 * probes["time"] ** 2, rtol=0.1)
     spent = energy["kinetic"] + energy["strain"] + energy["dissipated"]
     np.testing.assert_allclose(spent, energy["external"], atol=0.02 * energy["external"].max())
     assert (energy["dissipated"][1:] > 0.0).all()
@@ -109,7 +108,7 @@ def test_restart_goes_on_to_the_same_bits(simulate: Simulate, folder: Path) -> N
     half = (folder / "out" / "probes.csv").read_bytes()
     assert whole[0].startswith(half)
     assert half != whole[0]
-    status, out, err = simulate("--restart")
+    status, _, err = simulate("--restart")
     assert (status, err) == (0, "")
     assert [(folder / "out" / name).read_bytes() for name in ("probes.csv", "energy.csv")] == whole
 
@@ -128,7 +127,7 @@ def test_restart_goes_on_to_the_same_bits(simulate: Simulate, folder: Path) -> N
             ["scene.toml", "'tip'", "'wall'"],
         ),
         ("[[material]]\nlaw", "[require]\nrate = 5\nlaw", ["[require]", "'law'"]),
-        ("implicit-newmark", "central-differences", ["step", "0.01"]),
+        ("implicit-newmark", "central-differences", ["scene.toml: [time]", "0.01"]),
     ],
 )
 def test_a_mistake_in_the_scene(simulate: Simulate, old: str, new: str, words: list[str]) -> None:
