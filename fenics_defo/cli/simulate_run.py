@@ -69,7 +69,8 @@ def _simulated(
                 watcher=Watcher(phases=phases, moved=moved, stop=asked),
             )
         except DivergenceError as error:
-            raise DefoError(f"{error} {options.output} holds all until then.") from error
+            told = str(error).rstrip(".")
+            raise DefoError(f"{told}. {options.output} holds all until then.") from error
 
 
 def _text(record: dict[str, Any]) -> str:

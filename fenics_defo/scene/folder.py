@@ -26,7 +26,7 @@ class ResultFolder:
     """Files of one run. What it has written stays readable, however the run ends.
 
     Args:
-        folder: made if it is missing, but not the folders above it.
+        folder: made if it is missing.
         probes: names of the probes.
         mesh: for the series; None to write none.
         resume: checkpoint from which the run goes on; what was written later is cut off.
@@ -118,11 +118,11 @@ def make_folder(path: Path) -> None:
         DefoError: there cannot be one.
     """
     try:
-        path.mkdir(exist_ok=True)
+        path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DefoError(
             f"{path}: cannot be made a folder for the results ({error.strerror}); "
-            "name a folder in one that exists."
+            "name one that can be written."
         ) from error
 
 

@@ -8,33 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cli_files import Box, strict_json
+from cli_files import SCENE, Box, strict_json
 
 from fenics_defo.cli import defo
 from fenics_defo.cli.simulate_options import checkpoint_cadence
-
-SCENE = """
-[mesh]
-file = "{mesh}"
-[[material]]
-law = "st-venant-kirchhoff"
-young = 1e7
-poisson = 0.3
-density = 1000
-[[fixed]]
-region = "wall"
-[[load]]
-kind = "gravity"
-[damping]
-stiffness = 1e-3
-[time]
-integrator = "implicit-newmark"
-step = 0.01
-duration = 0.1
-[[probe]]
-name = "tip"
-point = [4, 0.3, 0.5]
-"""
 
 Simulate = Callable[..., tuple[int, str, str]]
 

@@ -286,8 +286,7 @@ def test_frames_come_as_asked() -> None:
 
 
 def test_a_place_that_cannot_be_a_folder(scene: Path, tmp_path: Path) -> None:
-    with pytest.raises(DefoError, match="cannot be made a folder"):
-        simulate(scene, tmp_path / "no" / "where")
     (tmp_path / "file").write_text("")
-    with pytest.raises(DefoError, match="cannot be made a folder"):
-        simulate(scene, tmp_path / "file")
+    for place in ("file", "file/folder"):
+        with pytest.raises(DefoError, match=f"{place}: cannot be made a folder"):
+            simulate(scene, tmp_path / place)
