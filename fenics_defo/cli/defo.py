@@ -17,17 +17,18 @@ def build_parser() -> Parser:
         title="commands", dest="command", metavar="COMMAND", required=True, parser_class=Parser
     )
     add_simulate(commands)
-    what = "what a mesh file or a file of modes holds"
+    what = "what a mesh, a file of modes, a scene or a folder of results holds"
     info = commands.add_parser(
         "info",
         help=what,
         description=f"Tell {what}.\n\n"
         "Of a mesh: nodes, cells, size, volume, groups, materials, pieces, quality of the\n"
-        "cells, and what reading changed or noticed. Of modes: their table.",
+        "cells, and what reading changed or noticed. Of modes: their table. Of a scene: what it\n"
+        "asks for. Of a folder of results: its summary.",
         epilog="Examples\n  fenics-defo info bracket.step --size 0.004\n"
         "  fenics-defo info modes.npz --json",
     )
-    info.add_argument("file", metavar="FILE", help="mesh in any format that is read, or modes.npz")
+    info.add_argument("file", metavar="FILE", help="mesh, modes.npz, scene, or folder of results")
     info.add_argument(
         "--size",
         type=number,

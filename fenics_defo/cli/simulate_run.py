@@ -2,7 +2,6 @@
 
 import json
 import sys
-import textwrap
 import time
 from argparse import Namespace
 from typing import Any
@@ -10,10 +9,10 @@ from typing import Any
 from fenics_defo.analysis import Phases
 from fenics_defo.cli.command import Run
 from fenics_defo.cli.kernels import no_unfinished_kernels
-from fenics_defo.cli.number_text import short_number
 from fenics_defo.cli.output import libraries_on_stderr, write_text
 from fenics_defo.cli.progress import Progress
 from fenics_defo.cli.ranks import Ranks
+from fenics_defo.cli.simulate_report import summary_text
 from fenics_defo.errors import DefoError, DivergenceError
 from fenics_defo.scene import Cadence, Watcher, read_scene, simulate
 
@@ -41,7 +40,7 @@ def simulate_and_print(options: Namespace, current: Run, progress: Progress, beg
             f"{options.output} holds all until then, --restart goes on from there"
         )
     if ranks.is_first:
-        text = json.dumps(record, allow_nan=False) + "\n" if options.json else _text(record)
+        text = json.dumps(record, allow_nan=False) + "\n" if options.json else summary_text(record)
         write_text(sys.stdout, text)
 
 
@@ -71,37 +70,3 @@ def _simulated(
         except DivergenceError as error:
             told = str(error).rstrip(".")
             raise DefoError(f"{told}. {options.output} holds all until then.") from error
-
-
-def _text(record: dict[str, Any]) -> str:
-    """The summary for people."""
-    pace = 1e3 * record["seconds"].get("simulate", 0.0) / max(1, record["steps_now"])
-    lines = [
-        f"simulated: {record['time']:.6g} s in {record['steps']} steps of {record['step']:.6g} s, "
-        f"{record['integrator']}",
-        f"mesh: {record['mesh']}, {record['cells']} cells, {record['nodes']} nodes",
-        f"dofs: {record['dofs']}, displacements of order {record['order']}, "
-        f"solver {record['linear_solver']}",
-        *_probe_lines(record["probes"]),
-        "energies: "
-        + ", ".join(f"{name} {short_number(v)} J" for name, v in record["energies"].items()),
-        f"pace: {pace:.3g} ms a step, {record['newton_iterations']} Newton iterations, "
-        f"{record['halvings']} halved steps",
-        *_seconds_lines(record["seconds"]),
-        f"written: {', '.join(record['files'])} in {record['folder']}",
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def _probe_lines(probes: dict[str, Any]) -> list[str]:
-    return [
-        f"probe {name}: at ({', '.join(map(short_number, probe['displacement']))}) m, "
-        f"at most {short_number(probe['largest'])} m from rest"
-        for name, probe in probes.items()
-    ]
-
-
-def _seconds_lines(seconds: dict[str, float]) -> list[str]:
-    phases = ", ".join(f"{name} {value:.2f}" for name, value in seconds.items() if value >= 0.005)
-    text = f"seconds: {sum(seconds.values()):.2f} ({phases})"
-    return textwrap.wrap(text, width=78, subsequent_indent="  ")
