@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from fenics_defo.energy import Material
+from fenics_defo.energy import Law
 from fenics_defo.energy.tables import material_from_table
 from fenics_defo.errors import MaterialError, SceneError
 from fenics_defo.scene import load_schema, schema
@@ -120,8 +120,8 @@ def _check_names(path: Path, tables: Mapping[str, Any]) -> None:
             )
 
 
-def _materials(path: Path, tables: list[Any]) -> dict[str | None, Material]:
-    materials: dict[str | None, Material] = {}
+def _materials(path: Path, tables: list[Any]) -> dict[str | None, Law]:
+    materials: dict[str | None, Law] = {}
     for table in tables:
         try:
             region, material = material_from_table(table)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from fenics_defo.energy import Material
+from fenics_defo.energy import Law
 from fenics_defo.scene.table import Vector
 
 Selection = str | int
@@ -248,7 +248,7 @@ class Scene:
     path: Path
     mesh: MeshTable
     time: TimeTable
-    materials: Mapping[str | None, Material] = field(default_factory=dict)
+    materials: Mapping[str | None, Law] = field(default_factory=dict)
     fixed: tuple[FixedTable, ...] = ()
     loads: tuple[LoadTable, ...] = ()
     damping: DampingTable = DampingTable()
