@@ -85,7 +85,7 @@ class System:
         self.residuals: tuple[float, ...] = ()
         self._ghosted = dolfinx.la.vector(solid.space.dofmap.index_map, 3)
         self._internal: tuple[Array, Array] | None = None
-        self._viscous: tuple[Array, Array] | None = None
+        self._viscous: tuple[Array, Array, Array] | None = None
         self._forces: tuple[Instant, Forces] | None = None
 
     @cached_property
@@ -153,9 +153,11 @@ class System:
         if not self.settings.explicit:
             self.fill_tangent(displacement)
             return beta * self.tangents.stiffness_times(velocity)
-        if self._viscous is None or self._viscous[0] is not displacement:
-            self._viscous = (displacement, beta * self._force_along(displacement, velocity))
-        return self._viscous[1]
+        known = self._viscous
+        if known is None or known[0] is not displacement or known[1] is not velocity:
+            force = beta * self._force_along(displacement, velocity)
+            known = self._viscous = (displacement, velocity, force)
+        return known[2]
 
     def _force_along(self, displacement: Array, velocity: Array) -> Array:
         """K(u) v as (f(u + s v) - f(u)) / s."""
