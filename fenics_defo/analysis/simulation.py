@@ -208,8 +208,7 @@ class Simulation:
             StepSizeError: an explicit method's limit has fallen below the step.
         """
         if self._since_origin and self._since_origin % _LIMIT_EVERY == 0:
-            self._critical = None
-            self._check_limit()
+            self._look_again()
         system = self._system
         system.reset_counters()
         self._substeps: list[Substep] = []
@@ -317,7 +316,7 @@ class Simulation:
         after = system.forces(reached)
         if not system.is_finite(after.internal + after.damping):
             raise StepFailure("the forces became infinite or no number", system.residuals)
-        if self.integrator.explicit:
+        if self.integrator.explicit and not self._allow_unstable:
             self._check_growth(start, reached, after)
         return reached
 
@@ -335,6 +334,10 @@ class Simulation:
         if squared > 0.0 and (
             self.integrator.critical_step(math.sqrt(squared), damping) < self.step
         ):
+            self._look_again()
+
+    def _look_again(self) -> None:
+        if not self._allow_unstable:
             self._critical = None
             self._check_limit()
 

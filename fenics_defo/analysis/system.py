@@ -140,10 +140,12 @@ class System:
         alpha = self.settings.damping[0]
         return alpha * self.mass.apply(velocity) if alpha else np.zeros_like(velocity)
 
-    def fill_tangent(self, displacement: Array) -> None:
-        """Fill the tangent at a displacement, unless it is."""
+    def linearise(self, displacement: Array) -> Array:
+        """Internal force f(u), with the tangent filled there; laws at points give both at once."""
         if self.tangents.filled_at is not displacement:
-            self.tangents.fill(displacement, self.local(displacement))
+            force = self.tangents.fill(displacement, self.local(displacement))[: self.owned]
+            self._internal = (displacement, force)
+        return self.internal_force(displacement)
 
     def stiffness_damping(self, displacement: Array, velocity: Array) -> Array:
         """β K(u) v; implicit methods have filled K, explicit ones take a difference of forces."""
@@ -151,7 +153,7 @@ class System:
         if not beta:
             return np.zeros_like(velocity)
         if not self.settings.explicit:
-            self.fill_tangent(displacement)
+            self.linearise(displacement)
             return beta * self.tangents.stiffness_times(velocity)
         known = self._viscous
         if known is None or known[0] is not displacement or known[1] is not velocity:
@@ -176,7 +178,7 @@ class System:
             return self._forces[1]
         u, v = instant.displacement, instant.velocity
         if not self.settings.explicit:
-            self.fill_tangent(u)
+            self.linearise(u)
         internal, external = self.internal_force(u), self.external_force(instant.time, u)
         damping = self.mass_damping(v) + self.stiffness_damping(u, v)
         return self.remember(instant, internal, external, damping)

@@ -111,6 +111,13 @@ class BlockMatrix:
         own, _ = self._petsc_values(matrix)
         return own[self._diagonal_in_petsc].reshape(-1, 3, 3)
 
+    def set_diagonal(self, matrix: PETSc.Mat, components: NDArray[np.bool_], value: float) -> None:
+        """Set the diagonal entries of components (d, 3) of a matrix from `empty`."""
+        rows, places = np.nonzero(components[: self.owned])
+        own, _ = self._petsc_values(matrix)
+        own[self._diagonal_in_petsc[rows], 4 * places] = value
+        mark_changed(matrix)
+
     def _petsc_values(self, matrix: PETSc.Mat) -> tuple[Array, Array]:
         first, second = self._chosen
         return block_values(matrix, (len(first), len(second)))

@@ -18,6 +18,8 @@ _INDEFINITE = (_Reason.DIVERGED_INDEFINITE_MAT, _Reason.DIVERGED_INDEFINITE_PC)
 _NOT_FINITE = (_Reason.DIVERGED_NANORINF, _Reason.DIVERGED_PCSETUP_FAILED)
 # A multigrid hierarchy is kept until the iterations are this many times those it began with.
 _STALE = 1.5
+#: What is said of a matrix that is not finite.
+INFINITE = "the stiffness holds NaN or infinity; take a smaller step, and check the loads"
 
 
 class _Gradients:
@@ -65,16 +67,15 @@ class _Gradients:
     def _check(self) -> None:
         assert self._solver is not None
         reason = self._solver.getConvergedReason()
-        if reason in _INDEFINITE:
+        if reason in _NOT_FINITE:
+            matrix, _ = self._solver.getOperators()
+            if not np.isfinite(matrix.norm(PETSc.NormType.FROBENIUS)):
+                raise SolverError(INFINITE)
+        if reason in (*_INDEFINITE, *_NOT_FINITE):
             raise SolverError(
                 "conjugate gradients met a matrix that is not positive definite: the body is about "
                 "to buckle or a cell to turn inside out; take a smaller step, or the direct solver "
                 '(linear = "cholesky")'
-            )
-        if reason in _NOT_FINITE:
-            raise SolverError(
-                "conjugate gradients met numbers that are not finite, or a node without stiffness; "
-                "take a smaller step, and check the loads and the mesh"
             )
         if reason <= 0:
             raise SolverError(
@@ -167,14 +168,24 @@ class MultigridGradients(_Gradients):
         self._first = 0  # iterations of the first solve with the present hierarchy
 
     def prepare(self, matrix: PETSc.Mat) -> None:
-        """Take a matrix; the caller keeps it alive and unchanged until the last solve with it."""
-        stale = self.iterations > _STALE * self._first + 2
-        if self._solver is not None and not stale:
+        """Take a matrix; the caller keeps it alive and unchanged until the last solve with it.
+
+        The diagonal of its held rows is made like that of the others: another misleads the
+        smoothers.
+        """
+        self._assembly.level_held_rows(matrix)
+        if self._solver is None or self.iterations > _STALE * self._first + 2:
+            self._build(matrix)
+        else:
             self._solver.setOperators(matrix, self._plain)
             self._set_up()
-            return
+
+    def _build(self, matrix: PETSc.Mat) -> None:
+        """Make a hierarchy from this very matrix."""
         self.close()
-        self._first = 0
+        if not np.isfinite(matrix.norm(PETSc.NormType.FROBENIUS)):
+            raise SolverError(INFINITE)
+        self._first = self.iterations = 0
         self._plain = self._preconditioned(matrix)
         self._solver = self._begin(matrix, PETSc.PC.Type.GAMG)
         self._solver.setOperators(matrix, self._plain)
@@ -186,7 +197,6 @@ class MultigridGradients(_Gradients):
         plain = matrix.convert("aij", PETSc.Mat())
         plain.setBlockSize(3)
         plain.setOption(PETSc.Mat.Option.SPD, True)
-        self._scale_held_rows(plain)
         vectors = []
         for column in orthonormal_columns(self._assembly.comm, self._assembly.rigid_motions()).T:
             vector = plain.createVecRight()
@@ -198,19 +208,18 @@ class MultigridGradients(_Gradients):
             thing.destroy()
         return plain
 
-    def _scale_held_rows(self, plain: PETSc.Mat) -> None:
-        """Give held rows the size of the others: a tiny diagonal misleads the smoothers."""
-        held = self._assembly.held[: self._assembly.owned].ravel()
-        diagonal = plain.getDiagonal()
-        comm = self._assembly.comm
-        total = comm.allreduce(float(diagonal.array[~held].sum()))
-        diagonal.array[held] = total / max(comm.allreduce(int((~held).sum())), 1)
-        plain.setDiagonal(diagonal)
-        diagonal.destroy()
-
     def solve(self, right_side: Array) -> Array:
         """Solve for one right-hand side (owned dofs,), zero at held components."""
-        solution = super().solve(right_side)
+        assert self._solver is not None, "prepare a matrix first"
+        try:
+            solution = super().solve(right_side)
+        except SolverError:
+            if self._first == 0:
+                raise
+            # The hierarchy was made for another matrix: one of this matrix may still do.
+            matrix, _ = self._solver.getOperators()
+            self._build(matrix)
+            solution = super().solve(right_side)
         self._first = self._first or self.iterations
         held = self._assembly.held[: self._assembly.owned].ravel()
         solution[held] = 0.0  # the smoothers leave traces in it

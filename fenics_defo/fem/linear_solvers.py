@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.errors import DefoError, SolverError
 from fenics_defo.fem.assembly import Assembly
-from fenics_defo.fem.gradients import JacobiGradients, MultigridGradients
+from fenics_defo.fem.gradients import INFINITE, JacobiGradients, MultigridGradients
 from fenics_defo.fem.linalg import Factorization
 
 Array = NDArray[np.float64]
@@ -30,7 +30,9 @@ class LinearSolver(Protocol):
         """Iterations of the last solve; 1 for a direct solver."""
 
     def prepare(self, matrix: PETSc.Mat) -> None:
-        """Take a matrix of `Assembly.empty_matrix`'s pattern; it is not changed.
+        """Take a matrix of `Assembly.empty_matrix`'s pattern.
+
+        Its held rows hold no more than their diagonal, which the solver may change.
 
         Raises:
             SolverError: the matrix is singular or not finite, or memory ran out.
@@ -94,7 +96,7 @@ class Cholesky:
     def prepare(self, matrix: PETSc.Mat) -> None:
         """Factorise a matrix, which need not be kept."""
         if not np.isfinite(matrix.norm(PETSc.NormType.FROBENIUS)):
-            raise SolverError("the stiffness holds NaN or infinity; take a smaller step")
+            raise SolverError(INFINITE)
         definite = self.negative_eigenvalues == 0
         negative = self._factorise(matrix, definite=definite)
         if definite and negative:

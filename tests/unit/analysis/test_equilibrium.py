@@ -20,6 +20,13 @@ from fenics_defo.analysis import (
 from fenics_defo.energy import StVenantKirchhoff
 from fenics_defo.errors import DivergenceError, LoadError, SolverError
 
+# What keeps a free cube from moving rigidly.
+PINS = [
+    Prescribed("x==0 and y==0 and z==0", (0, 0, 0)),
+    Prescribed("x==1 and y==0 and z==0", (None, 0, 0)),
+    Prescribed("x==0 and y==1 and z==0", (None, None, 0)),
+]
+
 
 def solved(solid, force):
     """K⁻¹ times nodal forces (n, 3) by SciPy."""
@@ -108,14 +115,9 @@ def test_a_large_compression_needs_the_search():
 
 def test_pressure_on_all_sides_compresses_evenly():
     """Neo-Hookean: σ = (μ (s² - 1) + 3 λ ln s) / s³ = -p at the stretch s."""
-    pins = [
-        Prescribed("x==0 and y==0 and z==0", (0, 0, 0)),
-        Prescribed("x==1 and y==0 and z==0", (None, 0, 0)),
-        Prescribed("x==0 and y==1 and z==0", (None, None, 0)),
-    ]
     faces = [Pressure(f"{c}=={side}", 3.0e4) for c in "xyz" for side in (0, 1)]
     solid = cube(NEO, held=None)
-    found = static_equilibrium(solid, faces, prescribed=pins, tolerance=1e-10)
+    found = static_equilibrium(solid, faces, prescribed=PINS, tolerance=1e-10)
     stretch = 1.0 + found.displacement[np.argmax(solid.points.sum(axis=1))].mean()
     mu, lmbda = 1.0e5 / 2.6, 1.0e5 * 0.3 / (1.3 * 0.4)
     stress = (mu * (stretch**2 - 1.0) + 3.0 * lmbda * np.log(stretch)) / stretch**3
@@ -133,13 +135,23 @@ def test_newton_keeps_its_order_under_pressure(sign):
 
 
 def test_loads_beyond_what_the_body_bears_are_told():
-    """St. Venant-Kirchhoff has a limit point in compression at the stretch 1/√3."""
+    """Blown up, the neo-Hookean stress (μ (s² - 1) + 3 λ ln s) / s³ has a maximum of 35 kPa."""
+    faces = [Pressure(f"{c}=={side}", -5.0e4) for c in "xyz" for side in (0, 1)]
     with pytest.raises(DivergenceError, match="no equilibrium was found beyond") as info:
         static_equilibrium(
-            cube(STVK), [Traction("z==1", (0.0, 0.0, -1.0e6))], max_halvings=3, max_iterations=12
+            cube(NEO, held=None), faces, prescribed=PINS, max_halvings=4, max_iterations=12
         )
-    assert 0.0 <= info.value.time < 0.5
+    assert 0.6 <= info.value.time < 0.71
     assert "collapse" in str(info.value)
+
+
+def test_cells_that_turned_inside_out_are_told(caplog):
+    """St. Venant-Kirchhoff falls through its limit point in compression, at the stretch 1/√3."""
+    push = Traction("z==1", (0.0, 0.0, -1.0e5))
+    found = static_equilibrium(cube(STVK), [push])
+    assert found.inverted_cells == 8
+    assert "inside out" in caplog.text
+    assert static_equilibrium(cube(STVK), []).inverted_cells == 0
 
 
 def test_what_has_no_equilibrium_is_refused():

@@ -217,7 +217,8 @@ def test_implicit_methods_conserve_momentum_and_angular_momentum_in_the_limit():
 def tumble(integrator, step):
     """A free bar thrown and spun: momentum and angular momentum at the start and the end."""
     solid = bar(STVK, held=None)
-    spin = np.cross((1.0, 3.0, 2.0), solid.points - (0.5, 0.15, 0.1))
+    thrown = np.array([1.0, -2.0, 0.5])
+    spun = np.cross((1.0, 3.0, 2.0), solid.points - (0.5, 0.15, 0.1))
     momenta = []
     simulate(
         solid,
@@ -227,7 +228,7 @@ def tumble(integrator, step):
         duration=0.4,
         newton=None,
         newton_tolerance=1e-12,
-        initial=Initial(velocity=spin + (1.0, -2.0, 0.5)),
+        initial=Initial(velocity=thrown + spun),
         energies_every=0,
         observe=lambda simulation: momenta.append(simulation.momentum()),
     )

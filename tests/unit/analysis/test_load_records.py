@@ -123,9 +123,9 @@ def test_requests_that_cannot_be_met_are_refused(options, words):
 
 
 def test_newmark_refuses_what_is_not_stable():
-    with pytest.raises(LoadError, match="beta = 0.1"):
+    with pytest.raises(LoadError, match=r"beta = 0\.1"):
         analysis.ImplicitNewmark(beta=0.1)
-    with pytest.raises(LoadError, match="gamma = 0.4"):
+    with pytest.raises(LoadError, match=r"gamma = 0\.4"):
         analysis.ImplicitNewmark(gamma=0.4)
     with pytest.raises(LoadError, match="nan"):
         analysis.ImplicitNewmark(beta=NAN)

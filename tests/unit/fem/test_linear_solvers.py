@@ -14,6 +14,7 @@ from fenics_defo import fem
 from fenics_defo.energy import NeoHookean
 from fenics_defo.errors import DefoError, SolverError
 from fenics_defo.fem import gradients
+from fenics_defo.fem.compat import PETSc
 from fenics_defo.fem.linalg import combine
 from fenics_defo.fem.linear_solvers import Cholesky, Kind, linear_solver
 from tests.unit.fem.fem_bodies import MODULI, NEO, bend, mesh_of, source, tapered
@@ -41,9 +42,11 @@ def load(solid: fem.Solid, seed: int = 0) -> Array:
 
 
 def scipy_matrix(matrix: Any) -> sparse.csr_array:
-    plain = matrix.convert("aij")
-    offsets, columns, values = plain.getValuesCSR()
-    return sparse.csr_array((values, columns, offsets), shape=plain.size)
+    plain = matrix.convert("aij", PETSc.Mat())
+    offsets, columns, values = (np.array(part) for part in plain.getValuesCSR())
+    size = plain.size
+    plain.destroy()
+    return sparse.csr_array((values, columns, offsets), shape=size)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -108,8 +111,8 @@ def test_combine_is_the_sum_of_both() -> None:
 def test_uneven_stiffness_costs_iterations() -> None:
     """The direct solver does not feel it."""
     counts = []
-    for contrast in (1.0, 1e2, 1e4):
-        young = np.where(np.arange(6 * 54) % 2 == 0, 1e5, 1e5 * contrast)
+    for decades in (0, 2, 4):
+        young = 1e5 * 10.0 ** (decades * np.random.default_rng(0).random(6 * 54))
         solid = clamped(law=NeoHookean(**(MODULI | {"young": young})))
         with (
             stiffness(solid, 0.0) as matrix,
@@ -176,7 +179,7 @@ def test_iterations_refuse_what_is_not_positive_definite(kind: Kind) -> None:
     ):
         combine(matrix, matrix, 1.0, mass.matrix, -1e4)
         solver.prepare(matrix)
-        with pytest.raises(SolverError, match="not positive definite.*cholesky"):
+        with pytest.raises(SolverError, match=r"not positive definite.*cholesky"):
             solver.solve(load(solid))
 
 
@@ -214,9 +217,8 @@ def test_what_is_not_finite_is_refused(kind: Kind) -> None:
     local[-1] = np.nan
     with closing(linear_solver(kind, solid.assembly)) as solver, stiffness(solid) as matrix:
         solid.assembly.fill_tangent(matrix, local)
-        with pytest.raises(SolverError):
+        with pytest.raises(SolverError, match="finite|NaN"):
             solver.prepare(matrix)
-            solver.solve(load(solid))
         solid.assembly.fill_tangent(matrix, solid.nodes.scatter(bend(solid)))
         solver.prepare(matrix)  # it has not broken
         assert np.isfinite(solver.solve(load(solid))).all()

@@ -86,9 +86,7 @@ class StVenantKirchhoffAtPoints:
 
 
 @pytest.mark.parametrize(("kind", "order", "mesh_order"), ALL_CELLS)
-def test_a_law_at_points_equals_the_same_law_in_ufl(
-    kind: str, order: int, mesh_order: int
-) -> None:
+def test_a_law_at_points_equals_the_same_law_in_ufl(kind: str, order: int, mesh_order: int) -> None:
     """The loops over cells and points give what FFCx's kernels give, with cell fields too."""
     mesh = source(kind, order=mesh_order, mapping=tapered if mesh_order == 1 else bent)
     young = 1e5 * (1.0 + 0.1 * np.arange(len(mesh.cells)))
@@ -172,7 +170,10 @@ def test_patch_of_a_law_at_points(name: str) -> None:
     assert solid.energy(u) == pytest.approx(answer.energy[0] * volume, rel=1e-12)
     force, inner = solid.internal_force(u), ~on_surface(solid)
     np.testing.assert_allclose(
-        np.einsum("ni,nj->ij", force, solid.points), answer.stress[0] * volume, rtol=1e-10, atol=1e-6
+        np.einsum("ni,nj->ij", force, solid.points),
+        answer.stress[0] * volume,
+        rtol=1e-10,
+        atol=1e-6,
     )
     assert inner.any()
     assert abs(force[inner]).max() < 1e-12 * abs(force).max()
@@ -186,7 +187,9 @@ def test_laws_of_all_sorts_add_up(kind: str) -> None:
     absent = NeoHookean(**soft)
     laws: dict[Any, Any] = dict(whole.materials)  # type: ignore[arg-type]
     parts = [
-        fem.Solid(mesh_data, {region: laws[region] if region == kept else absent for region in laws})
+        fem.Solid(
+            mesh_data, {region: laws[region] if region == kept else absent for region in laws}
+        )
         for kept in laws
     ]
     assert whole.energy(u) == pytest.approx(sum(p.energy(u) for p in parts), rel=1e-9)
