@@ -17,6 +17,10 @@ class MaterialError(DefoError, ValueError):
     """A material's constants are outside their range, or do not cover the mesh."""
 
 
+class SceneError(DefoError, ValueError):
+    """A scene file is not as the schema wants it, or asks for what its mesh cannot give."""
+
+
 class FileFormatError(DefoError, ValueError):
     """A file of ours is damaged, incomplete or of an unknown version."""
 

@@ -79,12 +79,16 @@ class Run:
     Args:
         command: its name, to begin sentences with.
         ranks: the MPI ranks, once MPI is loaded.
-        interrupted: whether Ctrl-C was pressed.
+        interrupted: whether Ctrl-C was pressed, to end the run at once.
+        asked_to_stop: whether Ctrl-C was pressed where it waits for the step under way.
+        stopped: what to say of a run that all ranks have then ended in good order.
     """
 
     command: str
     ranks: "Ranks | None" = None
     interrupted: bool = False
+    asked_to_stop: bool = False
+    stopped: str = ""
 
     @property
     def is_first(self) -> bool:
@@ -100,6 +104,36 @@ class Run:
         if self.interrupted:
             raise KeyboardInterrupt
 
+    @contextlib.contextmanager
+    def interrupts_wait(self) -> Iterator[Callable[[], bool]]:
+        """Let Ctrl-C ask for a good place to stop; pressed again, it ends the run at once.
+
+        Yields:
+            whether it was pressed.
+        """
+
+        def interrupt(_number: int, _frame: FrameType | None) -> None:
+            if self.asked_to_stop:
+                self.interrupted = True
+                raise KeyboardInterrupt
+            self.asked_to_stop = True
+
+        before = signal.getsignal(signal.SIGINT)
+        in_main_thread = threading.current_thread() is threading.main_thread()
+        if not callable(before) or not in_main_thread:
+            yield lambda: self.asked_to_stop  # ignored, as under nohup, or another's business
+            return
+        signal.signal(signal.SIGINT, interrupt)
+        try:
+            yield lambda: self.asked_to_stop
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    def stop(self, sentence: str) -> NoReturn:
+        """End a run that Ctrl-C has asked to stop, on all ranks, with what there is to say."""
+        self.stopped = sentence
+        raise KeyboardInterrupt
+
     def fail(self, sentence: str) -> int:
         """Say on rank 0 why the run ends, and return the exit status once all ranks agree."""
         line = f"{self.command}: {sentence}\n"
@@ -112,6 +146,10 @@ class Run:
 
     def end_interrupted(self) -> int:
         """Say that Ctrl-C ends the run, end all ranks, and return the exit status."""
+        if self.stopped:
+            if self.is_first:
+                _tell(f"{self.command}: {self.stopped}\n")
+            return INTERRUPTED
         _tell(f"{self.command}: interrupted; no file is left half-written\n")
         if self.ranks is not None and self.ranks.are_many:
             self.ranks.abort(INTERRUPTED)
@@ -137,7 +175,9 @@ def run(command: str, work: Callable[[Run], None]) -> int:
             work(current)
         sys.stdout.flush()
     except BaseException as error:
-        if current.interrupted or isinstance(error, KeyboardInterrupt):
+        # A compiler of kernels that Ctrl-C ends too fails with an error of its own.
+        swallowed = current.asked_to_stop and _sentence(error) is None
+        if current.interrupted or swallowed or isinstance(error, KeyboardInterrupt):
             return current.end_interrupted()
         if isinstance(error, BrokenPipeError):
             discard_stdout()

@@ -1,4 +1,4 @@
-"""What a file holds: modes or a mesh, told by its content rather than by its name."""
+"""What a file or folder holds: modes, a mesh, a scene, results."""
 
 import json
 import sys
@@ -7,6 +7,8 @@ from pathlib import Path
 from fenics_defo.cli.modes_info import modes_record, modes_text
 from fenics_defo.cli.output import can_style, libraries_on_stderr, loading_libraries, write_text
 from fenics_defo.cli.progress import Progress
+from fenics_defo.cli.results_info import results_record
+from fenics_defo.cli.simulate_report import summary_text
 from fenics_defo.runtime import load_modes
 
 _ZIP = b"PK\x03\x04"  # how an .npz file begins
@@ -16,17 +18,26 @@ def print_info(file: str, *, size: float | None, as_json: bool, progress: Progre
     """Print what ``file`` holds; a file of modes needs NumPy only.
 
     Args:
-        file: mesh or modes.
+        file: mesh, modes, scene, or the folder of a simulation's results.
         size: edge length of the tetrahedra that fill a surface or solid [m].
         as_json: print one JSON object.
         progress: display to be taken away before printing.
 
     Raises:
-        DefoError: the file is neither, or at fault.
+        DefoError: it is none of these, or at fault.
     """
     style = can_style(sys.stdout) and not as_json
     with libraries_on_stderr():
-        if _is_archive(file):
+        if Path(file).is_dir():
+            record = results_record(file)
+            text = "" if as_json else summary_text(record)
+        elif Path(file).suffix.lower() == ".toml":
+            # Late, because it needs UFL.
+            from fenics_defo.cli.scene_info import scene_record, scene_text
+
+            record = scene_record(file)
+            text = "" if as_json else scene_text(record)
+        elif _is_archive(file):
             modes = load_modes(file)
             record = modes_record(file, modes)
             text = "" if as_json else modes_text(file, modes, style=style)

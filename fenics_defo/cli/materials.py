@@ -99,15 +99,14 @@ def settled_materials(
 
 def constants_of(material: Any) -> dict[str, float]:
     """Return the numbers that define a material, by name."""
+    if hasattr(material, "material"):  # a law that continues another beyond a threshold
+        return {**constants_of(material.material), "threshold": float(material.threshold)}
     values = {f.name: getattr(material, f.name) for f in dataclasses.fields(material) if f.init}
-    numbers = {name: value for name, value in values.items() if isinstance(value, float)}
-    if isinstance(material, Invertible):
-        return constants_of(material.material) | numbers
-    return numbers
+    return {name: float(value) for name, value in values.items() if not isinstance(value, str)}
 
 
 def law_of(material: Any) -> str:
     """Return the name that material tables give the law."""
-    if isinstance(material, Invertible):
-        return law_of(material.material)
+    if hasattr(material, "material"):
+        return f"{law_of(material.material)}, invertible"
     return _LAWS.get(type(material).__name__, type(material).__name__)

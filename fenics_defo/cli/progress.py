@@ -5,12 +5,14 @@ import importlib.util
 import logging
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 from fenics_defo.cli.output import can_style, write_text
 
 _TICKER = Path(__file__).with_name("ticker.py")
+_PAUSE = 0.1  # seconds between two messages about the same phase
 
 
 class Progress:
@@ -25,6 +27,7 @@ class Progress:
         self._silent = False
         self._is_terminal = sys.stderr.isatty()
         self._ticker = _start_ticker() if show and can_style(sys.stderr) else None
+        self._moved = -_PAUSE
 
     def silence(self) -> None:
         """Show and write nothing from now on: another rank does."""
@@ -34,6 +37,13 @@ class Progress:
     def start(self, phase: str) -> None:
         """Show that a phase has begun."""
         self._send(f"phase {phase}")
+
+    def move(self, fraction: float, text: str) -> None:
+        """Show how much of the phase is done, from 0 to 1; most calls of many do nothing."""
+        now = time.monotonic()
+        if self._ticker is not None and now - self._moved >= _PAUSE:
+            self._moved = now
+            self._send(f"at {fraction:.6f} {text}")
 
     def note(self, text: str) -> None:
         """Write one line ``note: ...``: now on a terminal, elsewhere when the work is done.

@@ -1,7 +1,8 @@
 """The progress display, a process of its own: PETSc's long calls stop all threads of Python.
 
-Reads lines from standard input, ``phase NAME`` and ``note TEXT``, shows the phase with a spinner
-and its time on standard error, and takes all away at the end of its input. While PETSc computes,
+Reads lines from standard input, ``phase NAME``, ``at FRACTION TEXT`` and ``note TEXT``, shows the
+phase with a spinner and its time on standard error, with a bar and the time left once a fraction
+has come, and takes all away at the end of its input. While PETSc computes,
 Ctrl-C reaches the computation only when the call returns: this process says so, and ends the
 computation at once when Ctrl-C comes again.
 """
@@ -12,7 +13,15 @@ import sys
 from types import FrameType
 
 from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    SpinnerColumn,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 STOPPING = "stopping when this step is done (Ctrl-C again: at once)"
 
@@ -21,6 +30,7 @@ def main() -> None:
     """Show what comes in until it ends."""
     parent = os.getppid()
     columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
+    bar = BarColumn(), TaskProgressColumn(), TextColumn("left"), TimeRemainingColumn()
     console = Console(stderr=True, highlight=False)
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("", total=None)
@@ -38,8 +48,16 @@ def main() -> None:
             kind, _, text = line.rstrip("\n").partition(" ")
             if kind == "note":
                 progress.console.print(f"note: {text}", markup=False, soft_wrap=True)
-            elif not interrupts:
-                progress.reset(task, description=text)
+            elif interrupts:
+                continue
+            elif kind == "at":
+                fraction, _, text = text.partition(" ")
+                progress.columns = (*columns, *bar)
+                progress.update(task, total=1.0, completed=float(fraction), description=text)
+            else:
+                progress.columns = columns
+                progress.remove_task(task)
+                task = progress.add_task(text, total=None)
 
 
 if __name__ == "__main__":

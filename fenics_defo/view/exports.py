@@ -7,15 +7,13 @@ from typing import Any, BinaryIO
 from numpy.typing import NDArray
 
 from fenics_defo.runtime import Modes, atomic_path
+from fenics_defo.runtime.recording import VTK_CELL_TYPES
 from fenics_defo.view.captions import field_names
 from fenics_defo.view.paths import check_vtk_path
 from fenics_defo.view.vtk_legacy import write_legacy
 from fenics_defo.view.vtk_xml import write_xml
 
 _WRITERS: dict[str, Callable[..., None]] = {".vtu": write_xml, ".vtk": write_legacy}
-
-VTK_CELL_TYPES = {"tetra": 10, "hexahedron": 12, "tetra10": 24, "hexahedron27": 29}
-"""Numbers of our cell types in VTK (vtkCellType.h)."""
 
 
 def write_modes_vtk(modes: Modes, path: str | os.PathLike[str]) -> None:

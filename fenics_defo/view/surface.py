@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime import Modes
-from fenics_defo.view.exports import VTK_CELL_TYPES
+from fenics_defo.runtime.recording import VTK_CELL_TYPES
 from fenics_defo.view.offscreen import pyvista
 
 Array = NDArray[np.float64]

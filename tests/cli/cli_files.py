@@ -20,6 +20,29 @@ NUMBER_STEP = 3
 STEEL = {"young": 2.1e11, "poisson": 0.3, "density": 7850.0}
 COMMANDS = {"mesh-to-modes": "fenics_defo.cli.mesh_to_modes", "fenics-defo": "fenics_defo.cli.defo"}
 
+SCENE = """
+[mesh]
+file = "{mesh}"
+[[material]]
+law = "st-venant-kirchhoff"
+young = 1e7
+poisson = 0.3
+density = 1000
+[[fixed]]
+region = "wall"
+[[load]]
+kind = "gravity"
+[damping]
+stiffness = 1e-3
+[time]
+integrator = "implicit-newmark"
+step = 0.01
+duration = 0.1
+[[probe]]
+name = "tip"
+point = [4, 0.3, 0.5]
+"""
+
 
 @dataclass(frozen=True)
 class Box:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cli_files import HEIGHT, LENGTH, WIDTH, Box, strict_json
+from cli_files import HEIGHT, LENGTH, SCENE, WIDTH, Box, strict_json
 
 from fenics_defo.cli import defo
 from fenics_defo.cli.mesh_figures import count_pieces, scaled_jacobians, volume
@@ -143,3 +143,38 @@ def test_volume_of_a_curved_tetrahedron() -> None:
 def test_pieces_share_no_node() -> None:
     points = np.vstack([REGULAR, REGULAR + 10.0])
     assert count_pieces(source_from_arrays(points, np.array([[0, 1, 2, 3], [4, 5, 6, 7]]))) == 2
+
+
+def test_a_scene_and_its_results(box: Box, folder: Path, capsys: Captured) -> None:
+    (folder / "scene.toml").write_text(SCENE.format(mesh=box.path))
+    assert defo.main(["info", "scene.toml"]) == 0
+    out = capsys.readouterr().out
+    for words in (
+        "material: young 1e7 Pa, poisson 0.3, density 1000 kg/m3 (st-venant-kirchhoff)",
+        "fixed: wall along xyz",
+        "load: gravity (0, 0, -9.81)",
+        "time: 0.1 s in 10 steps of 0.01 s, implicit-newmark",
+        "probe: tip at (4, 0.3, 0.5) m",
+    ):
+        assert words in out
+    assert defo.main(["info", "scene.toml", "--json"]) == 0
+    scene = strict_json(capsys.readouterr().out)
+    assert (scene["kind"], scene["steps"], scene["damping"]["stiffness"]) == ("scene", 10, 1e-3)
+    assert defo.main(["simulate", "scene.toml", "--output", "out"]) == 0
+    told = capsys.readouterr().out
+    assert defo.main(["info", "out"]) == 0
+    assert capsys.readouterr().out == told
+    assert defo.main(["info", "out", "--json"]) == 0
+    results = strict_json(capsys.readouterr().out)
+    assert (results["kind"], results["status"]) == ("results", "finished")
+
+
+@pytest.mark.parametrize("text", [None, "", "[]", '{"status": "finished"}', "\0"])
+def test_folders_that_hold_no_results(text: str | None, folder: Path, capsys: Captured) -> None:
+    (folder / "out").mkdir()
+    if text is not None:
+        (folder / "out" / "summary.json").write_text(text)
+    assert defo.main(["info", "out"]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("fenics-defo: out")
+    assert err.count("\n") == 1

@@ -1,0 +1,60 @@
+"""Scenes: what a TOML file says, and its simulation into a folder of results.
+
+The names load on first use: reading a scene needs neither DOLFINx nor PETSc.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fenics_defo.scene.building import (
+        build_initial,
+        build_integrator,
+        build_loads,
+        build_prescribed,
+        build_simulation,
+        build_solid,
+    )
+    from fenics_defo.scene.cadence import Cadence
+    from fenics_defo.scene.checkpoint import Checkpoint, load_checkpoint
+    from fenics_defo.scene.reading import read_scene
+    from fenics_defo.scene.records import Scene
+    from fenics_defo.scene.running import Watcher, simulate
+
+_HOME = {
+    "Cadence": "cadence",
+    "Checkpoint": "checkpoint",
+    "Scene": "records",
+    "Watcher": "running",
+    "build_initial": "building",
+    "build_integrator": "building",
+    "build_loads": "building",
+    "build_prescribed": "building",
+    "build_simulation": "building",
+    "build_solid": "building",
+    "load_checkpoint": "checkpoint",
+    "read_scene": "reading",
+    "simulate": "running",
+}
+
+__all__ = [
+    "Cadence",
+    "Checkpoint",
+    "Scene",
+    "Watcher",
+    "build_initial",
+    "build_integrator",
+    "build_loads",
+    "build_prescribed",
+    "build_simulation",
+    "build_solid",
+    "load_checkpoint",
+    "read_scene",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
