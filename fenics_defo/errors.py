@@ -29,5 +29,32 @@ class EigenSolveError(SolverError):
     """Eigenpairs are missing, unconverged or less accurate than required."""
 
 
+class DivergenceError(SolverError):
+    """A step or an equilibrium was not found; the last good state stands.
+
+    Args:
+        message: what the user reads.
+        time: start of the step that failed [s], or the load factor reached.
+        step: length of the last attempt [s].
+        residuals: relative residuals of the last attempt.
+    """
+
+    def __init__(
+        self, message: str, *, time: float, step: float, residuals: tuple[float, ...] = ()
+    ) -> None:
+        super().__init__(message)
+        self.time = time
+        self.step = step
+        self.residuals = residuals
+
+
+class LoadError(DefoError, ValueError):
+    """A load, a history, a prescribed motion or an initial state is not well formed."""
+
+
+class StepSizeError(DefoError, ValueError):
+    """A time step is not positive, or beyond what an explicit integrator stands."""
+
+
 class MissingDependencyError(DefoError, ImportError):
     """A part of the package needs a library that is not installed."""

@@ -122,6 +122,64 @@ class Assembly:
         """
         return self._matrix(self._tangent_form(local), constrained=True, diagonal=diagonal)
 
+    def empty_matrix(self) -> PETSc.Mat:
+        """A matrix of zeros with the entries of K and M; the caller destroys it; collective."""
+        matrix = dolfinx.fem.petsc.create_matrix(self._rest_tangent, _FORMAT)
+        # PETSc gives back what stays unset of the entries when a matrix is assembled first.
+        self._fill(matrix, self._rest_tangent, [], 0.0)
+        matrix.zeroEntries()
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
+        return matrix
+
+    def fill_tangent(self, matrix: PETSc.Mat, local: Array, *, diagonal: float = 1.0) -> None:
+        """Overwrite a matrix from `empty_matrix` with the tangent; nothing is allocated; collective.
+
+        Args:
+            matrix: from `empty_matrix` of this body, whatever its values.
+            local: displacement (d, 3) [m].
+            diagonal: entry of the held rows.
+        """
+        self._fill(matrix, self._tangent_form(local), self.constraints, diagonal)
+
+    def _fill(
+        self,
+        matrix: PETSc.Mat,
+        form: "dolfinx.fem.Form",
+        conditions: "list[dolfinx.fem.DirichletBC]",
+        diagonal: float,
+    ) -> None:
+        matrix.zeroEntries()
+        dolfinx.fem.petsc.assemble_matrix(matrix, form, bcs=conditions, diag=diagonal)
+        matrix.assemble()
+
+    def rigid_motions(self) -> Array:
+        """Six rigid motions (owned dofs, 6) of the present shape, zero at held components.
+
+        The present shape is that of the last displacement at which anything was evaluated. For
+        multigrid, which should know the motions that hardly strain.
+        """
+        moved = self._forms.displacement.x.array.reshape(-1, 3)[: self.owned]
+        x = self._space.tabulate_dof_coordinates()[: self.owned] + moved
+        x -= self.comm.allreduce(x.sum(axis=0)) / self._space.dofmap.index_map.size_global
+        motions = np.zeros((self.owned, 3, 6))
+        for axis in range(3):
+            motions[:, axis, axis] = 1.0
+            motions[:, :, 3 + axis] = np.cross(np.eye(3)[axis], x)
+        motions[self._held[: self.owned]] = 0.0
+        return motions.reshape(-1, 6)
+
+    def with_held(self, held: NDArray[np.bool_]) -> "Assembly":
+        """The same body and compiled forms with other components held.
+
+        Args:
+            held: (d, 3) bool, all components that are held, the body's own included.
+        """
+        other = Assembly(self._space, self._forms, held)
+        for name in ("_energy", "_force", "_tangent", "_rest_tangent"):
+            other.__dict__[name] = getattr(self, name)
+        return other
+
     def _tangent_form(self, local: Array | None) -> "dolfinx.fem.Form":
         if local is None:
             return self._rest_tangent
@@ -131,11 +189,8 @@ class Assembly:
     def _matrix(
         self, form: "dolfinx.fem.Form", *, constrained: bool, diagonal: float = 1.0
     ) -> PETSc.Mat:
-        matrix = dolfinx.fem.petsc.create_matrix(form, _FORMAT)
-        conditions = self.constraints if constrained else []
-        dolfinx.fem.petsc.assemble_matrix(matrix, form, bcs=conditions, diag=diagonal)
-        matrix.assemble()
-        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        matrix = self.empty_matrix()
+        self._fill(matrix, form, self.constraints if constrained else [], diagonal)
         return matrix
 
     def unconstrained_tangent(self, local: Array | None) -> Entries:

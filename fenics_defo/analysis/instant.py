@@ -1,0 +1,59 @@
+"""A body's motion at one time over this rank's own nodes, and how it depends on what is unknown."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class StepFailure(Exception):
+    """A step was not done; raised on all ranks alike.
+
+    Args:
+        reason: a clause that says why.
+        residuals: relative residuals of Newton's iterations.
+    """
+
+    def __init__(self, reason: str, residuals: tuple[float, ...] = ()) -> None:
+        super().__init__(reason)
+        self.reason = reason
+        self.residuals = residuals
+
+
+@dataclass(frozen=True, slots=True)
+class Instant:
+    """Motion at one time; the arrays are not written to once they are here.
+
+    Args:
+        time: [s].
+        displacement: (owned nodes, 3) [m].
+        velocity: (owned nodes, 3) [m/s].
+        acceleration: (owned nodes, 3) [m/s²].
+    """
+
+    time: float
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """An implicit method's acceleration and velocity at the end of a step.
+
+    a' = acceleration + acceleration_rate (u' - u),  v' = velocity + velocity_rate (u' - u), with u
+    at the start of the step.
+
+    Args:
+        acceleration_rate: [1/s²].
+        velocity_rate: [1/s].
+        acceleration: (owned nodes, 3) [m/s²].
+        velocity: (owned nodes, 3) [m/s].
+    """
+
+    acceleration_rate: float
+    velocity_rate: float
+    acceleration: Array
+    velocity: Array
