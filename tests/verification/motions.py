@@ -103,7 +103,7 @@ def states(
 
 
 def modal_motion(
-    name: str,
+    method: Integrator,
     *,
     number: int,
     step: float,
@@ -113,10 +113,10 @@ def modal_motion(
 ) -> tuple[OneMode, Array, Array]:
     """A mode, and its coordinate and rate (count + 1,) when it starts alone, with coordinate 1."""
     solid = bar()
-    mode = one_mode(solid, number, lumped=name in EXPLICIT)
+    mode = one_mode(solid, number, lumped=method.explicit)
     found = states(
         solid,
-        INTEGRATORS[name],
+        method,
         step=step,
         count=count,
         damping=damping,

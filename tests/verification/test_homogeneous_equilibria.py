@@ -1,4 +1,4 @@
-"""Equilibria with the same strain everywhere, found by Newton: each law against its closed forms."""
+"""Equilibria of uniform strain, found by Newton: each law against its closed forms."""
 
 import numpy as np
 import pytest
