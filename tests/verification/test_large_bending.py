@@ -44,22 +44,40 @@ def tip(solid: Solid, displacement: Array, side: float) -> TipPose:
     return TipPose(x, z - 0.5 * side, float(np.arctan2(-along[0], along[2])))
 
 
-def under_end_force(law: str, load: float, cells: int, side: float) -> TipPose:
-    """Tip under a dead traction with F L² / (E I) = load."""
+def axis_line(solid: Solid, displacement: Array, side: float) -> Array:
+    """(k, 2) places x, z of the nodes on the beam's axis, from the clamp on."""
+    on_axis = (np.abs(solid.points[:, 1:] - 0.5 * side) < 1e-9).all(axis=1)
+    now = (solid.points + displacement)[on_axis]
+    return now[np.argsort(solid.points[on_axis, 0])][:, [0, 2]] - [0.0, 0.5 * side]
+
+
+def bending_stiffness(side: float) -> float:
+    """E I [N m²]."""
+    return CONSTANTS["young"] * side**4 / 12.0
+
+
+def bent(law: str, load: float, cells: int, side: float) -> tuple[Solid, Array]:
+    """The beam and its displacement under a dead end traction with F L² / (E I) = load."""
     solid = beam(LAWS[law], cells, side)
-    force = load * CONSTANTS["young"] * side**4 / 12.0 / LENGTH**2
+    force = load * bending_stiffness(side) / LENGTH**2
     pull = Traction(f"x=={LENGTH}", vector=(0.0, 0.0, force / side**2))
-    found = static_equilibrium(solid, [pull], load_steps=4)
-    return tip(solid, found.displacement, side)
+    return solid, static_equilibrium(solid, [pull], load_steps=4).displacement
+
+
+def elastica(load: float, side: float) -> TipPose:
+    """Theory's tip under that force."""
+    return elastica_end_force(
+        length=LENGTH,
+        section=RectangularSection(side, side),
+        young=CONSTANTS["young"],
+        force=load * bending_stiffness(side) / LENGTH**2,
+    )
 
 
 @cache
 def end_force_errors(law: str, load: float, cells: int, side: float) -> Array:
     """Of x, z [lengths of the beam] and rotation [rad]."""
-    mine = under_end_force(law, load, cells, side)
-    force = load * CONSTANTS["young"] * side**4 / 12.0 / LENGTH**2
-    section = RectangularSection(side, side)
-    theirs = elastica_end_force(length=LENGTH, section=section, young=1.0e9, force=force)
+    mine, theirs = tip(*bent(law, load, cells, side), side), elastica(load, side)
     return np.array([mine.x - theirs.x, mine.y - theirs.y, mine.rotation - theirs.rotation])
 
 
@@ -83,35 +101,38 @@ def test_end_force_converges_to_the_elastica() -> None:
     assert orders([thick, thin])[0] == pytest.approx(np.full(3, 2.0), abs=0.3)
 
 
-def rolled(law: str, cells: int, side: float, turns: float) -> TipPose:
-    """Tip under the end moment that bends the elastica into ``turns`` circles.
+def rolled(law: str, cells: int, side: float, turns: float) -> tuple[Solid, Array]:
+    """The beam and its displacement under the end moment that makes ``turns`` circles.
 
     The moment is a couple of pressures ±p on the two halves of the end section, which follow it:
     M = p b h² / 4.
     """
     solid = beam(LAWS[law], cells, side)
-    moment = 2.0 * np.pi * turns * CONSTANTS["young"] * side**4 / 12.0 / LENGTH
-    pressure = 4.0 * moment / side**3
+    pressure = 4.0 * 2.0 * np.pi * turns * bending_stiffness(side) / LENGTH / side**3
     half = 0.5 * side
     loads = [
         Pressure(f"x=={LENGTH} and z>={half}", value=pressure),
         Pressure(f"x=={LENGTH} and z<={half}", value=-pressure),
     ]
-    found = static_equilibrium(solid, loads, load_steps=round(16 * turns))
-    return tip(solid, found.displacement, side)
+    found = static_equilibrium(solid, loads, load_steps=max(round(16 * turns), 1))
+    return solid, found.displacement
+
+
+def circle(turns: float, side: float) -> TipPose:
+    """Theory's tip under that moment."""
+    return elastica_end_moment(
+        length=LENGTH,
+        section=RectangularSection(side, side),
+        young=CONSTANTS["young"],
+        moment=2.0 * np.pi * turns * bending_stiffness(side) / LENGTH,
+    )
 
 
 @pytest.mark.parametrize("turns", [0.5, 1.0])
 def test_rolled_up(turns: float) -> None:
     """The corotational law's stress is linear in the stretch: a circle, however thick the beam."""
     side = 0.02
-    mine = rolled("corotational", 24, side, turns)
-    theirs = elastica_end_moment(
-        length=LENGTH,
-        section=RectangularSection(side, side),
-        young=1.0e9,
-        moment=2.0 * np.pi * turns * 1.0e9 * side**4 / 12.0,
-    )
+    mine, theirs = tip(*rolled("corotational", 24, side, turns), side), circle(turns, side)
     assert mine.x == pytest.approx(theirs.x, abs=2e-3)
     assert mine.y == pytest.approx(theirs.y, abs=2e-3)
     # arctan2 knows the rotation but for whole turns.
