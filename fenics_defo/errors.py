@@ -37,15 +37,23 @@ class DivergenceError(SolverError):
         time: start of the step that failed [s], or the load factor reached.
         step: length of the last attempt [s].
         residuals: relative residuals of the last attempt.
+        reason: a clause that says what went wrong in it.
     """
 
     def __init__(
-        self, message: str, *, time: float, step: float, residuals: tuple[float, ...] = ()
+        self,
+        message: str,
+        *,
+        time: float,
+        step: float,
+        residuals: tuple[float, ...] = (),
+        reason: str = "",
     ) -> None:
         super().__init__(message)
         self.time = time
         self.step = step
         self.residuals = residuals
+        self.reason = reason
 
 
 class LoadError(DefoError, ValueError):

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         Motion,
         State,
         StepReport,
+        Substep,
     )
     from fenics_defo.analysis.statics import static_equilibrium
 
@@ -60,6 +61,7 @@ _HOME = {
     "State": "states",
     "Step": "histories",
     "StepReport": "states",
+    "Substep": "states",
     "SymplecticEuler": "integrators",
     "Table": "histories",
     "Traction": "loads",
@@ -96,6 +98,7 @@ __all__ = [
     "State",
     "Step",
     "StepReport",
+    "Substep",
     "SymplecticEuler",
     "Table",
     "Traction",

@@ -1,16 +1,21 @@
 """A whole simulation in one call."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from fenics_defo.analysis.initial import Initial
 from fenics_defo.analysis.integrators.integrator import Integrator
 from fenics_defo.analysis.loads import Load
 from fenics_defo.analysis.prescribed import Prescribed
-from fenics_defo.analysis.simulation import Linear, Simulation
-from fenics_defo.analysis.states import Motion
+from fenics_defo.analysis.simulation import Simulation
+from fenics_defo.analysis.states import EnergyRecord, Motion, StepReport
+from fenics_defo.errors import StepSizeError
 from fenics_defo.fem import Solid
+from fenics_defo.fem.linear_solvers import Kind
 
 
 def simulate(
@@ -24,7 +29,7 @@ def simulate(
     newton: int | None = 1,
     newton_tolerance: float = 1e-6,
     newton_iterations: int = 20,
-    linear: Linear = "cholesky",
+    linear: Kind = "cholesky",
     linear_tolerance: float = 1e-6,
     initial: Initial | None = None,
     prescribed: Sequence[Prescribed] = (),
@@ -67,4 +72,71 @@ def simulate(
         StepSizeError: a step that is not positive, or beyond an explicit method's limit.
         SelectionError: a region that the mesh does not have.
     """
-    raise NotImplementedError
+    steps = _whole_steps(step, duration)
+    if energies_every < 0 or isinstance(energies_every, bool):
+        raise StepSizeError(f"energies_every must be a whole number from 0, got {energies_every!r}")
+    with Simulation(
+        solid,
+        loads,
+        integrator,
+        step=step,
+        damping=damping,
+        newton=newton,
+        newton_tolerance=newton_tolerance,
+        newton_iterations=newton_iterations,
+        linear=linear,
+        linear_tolerance=linear_tolerance,
+        initial=initial,
+        prescribed=prescribed,
+        probes=probes,
+        max_halvings=max_halvings,
+        allow_unstable=allow_unstable,
+    ) as simulation:
+        return _run(simulation, steps, energies_every, observe)
+
+
+def _whole_steps(step: float, duration: float) -> int:
+    """How many steps a duration has.
+
+    Raises:
+        StepSizeError: none, or one of the two is not positive and finite.
+    """
+    for name, value in (("step", step), ("duration", duration)):
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not (is_number and 0.0 < value < math.inf):
+            raise StepSizeError(f"the {name} must be positive and finite [s], got {value!r}")
+    if not duration >= 0.5 * step:
+        raise StepSizeError(
+            f"a duration of {duration:g} s has no step of {step:g} s; take a smaller step"
+        )
+    return round(duration / step)
+
+
+def _run(
+    simulation: Simulation,
+    steps: int,
+    energies_every: int,
+    observe: Callable[[Simulation], None] | None,
+) -> Motion:
+    times = np.empty(steps + 1)
+    probes = {name: np.empty((steps + 1, 3)) for name in simulation.probe_names}
+    energies: list[tuple[float, ...]] = []
+    reports: list[StepReport] = []
+    for number in range(steps + 1):
+        if number:
+            reports.append(simulation.advance())
+        times[number] = simulation.time
+        for name, values in probes.items():
+            values[number] = simulation.probe(name)
+        if energies_every and number % energies_every == 0:
+            energies.append((simulation.time, *astuple(simulation.energies)))
+        if observe is not None:
+            observe(simulation)
+    columns = np.array(energies).reshape(-1, 5).T
+    return Motion(
+        times=times,
+        probes=probes,
+        energies=EnergyRecord(*columns),
+        state=simulation.state,
+        reports=tuple(reports),
+    )

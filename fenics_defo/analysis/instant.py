@@ -57,3 +57,20 @@ class Rule:
     velocity_rate: float
     acceleration: Array
     velocity: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Forces:
+    """Forces at an instant.
+
+    Args:
+        internal: f(u) (owned nodes, 3) [N].
+        external: g(t, u) (owned nodes, 3) [N].
+        damping: C v (owned nodes, 3) [N].
+        reaction: of what prescribes motions, upon the body (owned nodes, 3) [N]; zero elsewhere.
+    """
+
+    internal: Array
+    external: Array
+    damping: Array
+    reaction: Array

@@ -139,7 +139,7 @@ class Impulse:
 type Load = Gravity | Traction | Pressure | PointLoad | Impulse
 
 
-def checked_vector(record: str, values: Sequence[float], name: str = "vector") -> Vector:
+def checked_vector(record: str, values: object, name: str = "vector") -> Vector:
     """Three finite numbers as a tuple.
 
     Raises:

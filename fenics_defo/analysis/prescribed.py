@@ -29,7 +29,7 @@ class Prescribed:
     history: History = field(default_factory=Step)
 
     def __post_init__(self) -> None:
-        entries = tuple(self.displacement) if not isinstance(self.displacement, str) else ()
+        entries = tuple(self.displacement)
         if len(entries) != 3 or all(entry is None for entry in entries):
             raise LoadError(
                 "displacement of Prescribed must have three entries, a number [m] or None (free), "

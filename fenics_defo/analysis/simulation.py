@@ -1,20 +1,35 @@
-"""A body in motion, or on its way to equilibrium: one step at a time."""
+"""A body in motion, or on its way through equilibria: one step at a time."""
 
+import math
 from collections.abc import Mapping, Sequence
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fenics_defo.analysis.frequency_bound import largest_frequency
+from fenics_defo.analysis.implicit_step import NewtonSettings
 from fenics_defo.analysis.initial import Initial
+from fenics_defo.analysis.instant import Instant, StepFailure
 from fenics_defo.analysis.integrators.integrator import Integrator
+from fenics_defo.analysis.integrators.quasi_static import QuasiStatic
 from fenics_defo.analysis.loads import Load
 from fenics_defo.analysis.prescribed import Prescribed
-from fenics_defo.analysis.states import Energies, State, StepReport
+from fenics_defo.analysis.probes import Probes
+from fenics_defo.analysis.requests import check_request
+from fenics_defo.analysis.states import Energies, State, StepReport, Substep
+from fenics_defo.analysis.substeps import run_substeps
+from fenics_defo.analysis.supports import check_supported
+from fenics_defo.analysis.system import System, SystemSettings
+from fenics_defo.analysis.work import Work
+from fenics_defo.errors import LoadError, StepSizeError
 from fenics_defo.fem import Solid
+from fenics_defo.fem.linear_solvers import Kind
 
 Array = NDArray[np.float64]
-Linear = Literal["cholesky", "pcg-jacobi", "pcg-amg"]
+
+# Steps of an explicit method after which its limit is looked at again: a stretched body is stiffer.
+_LIMIT_EVERY = 256
 
 
 class Simulation:
@@ -31,10 +46,10 @@ class Simulation:
         step: time step [s].
         damping: (alpha [1/s], beta [s]).
         newton: number of Newton iterations a step; 1 is semi-implicit: one linearised solve a step,
-            whose residual is not looked at. None iterates until ``newton_tolerance`` is met.
-        newton_tolerance: relative residual of converged Newton [-].
+            whose residual is reported, not judged. None iterates until ``newton_tolerance`` is met.
+        newton_tolerance: of converged Newton: largest ‖r‖ / max(‖M a‖, ‖C v‖, ‖f‖, ‖g‖) [-].
         newton_iterations: most iterations of converged Newton.
-        linear: solver of the linear systems.
+        linear: solver of the linear systems: "cholesky", "pcg-jacobi" or "pcg-amg".
         linear_tolerance: relative residual of conjugate gradients [-].
         initial: displacement and velocity at time zero.
         prescribed: displacements prescribed in time.
@@ -46,6 +61,7 @@ class Simulation:
         LoadError: loads or prescribed motions that this body cannot take.
         StepSizeError: a step that is not positive, or beyond an explicit method's limit.
         SelectionError: a region that the mesh does not have.
+        SolverError: nothing holds the body and equilibria are asked for.
     """
 
     def __init__(
@@ -59,7 +75,7 @@ class Simulation:
         newton: int | None = 1,
         newton_tolerance: float = 1e-6,
         newton_iterations: int = 20,
-        linear: Linear = "cholesky",
+        linear: Kind = "cholesky",
         linear_tolerance: float = 1e-6,
         initial: Initial | None = None,
         prescribed: Sequence[Prescribed] = (),
@@ -67,49 +83,152 @@ class Simulation:
         max_halvings: int = 6,
         allow_unstable: bool = False,
     ) -> None:
-        raise NotImplementedError
+        newton_settings = NewtonSettings(newton, newton_tolerance, newton_iterations)
+        check_request(integrator, step, damping, newton_settings, max_halvings)
+        settings = SystemSettings(
+            damping=(float(damping[0]), float(damping[1])),
+            newton=newton_settings,
+            linear=linear,
+            linear_tolerance=linear_tolerance,
+            explicit=integrator.explicit,
+        )
+        self.solid = solid
+        self.integrator = integrator
+        self.step = float(step)
+        self._halvings = max_halvings
+        self._allow_unstable = allow_unstable
+        self._system = System(solid, loads, prescribed, settings)
+        if isinstance(integrator, QuasiStatic):
+            check_supported(solid, self._system.constraints.bound)
+        self._probes = Probes(solid, probes or {})
+        self._work = Work(self._system, integrator.end_weight)
+        self._origin, self._steps, self._since_origin = 0.0, 0, 0
+        self._critical: float | None = None
+        self._now = self._begin(initial or Initial())
+        self._check_limit()
 
     @property
     def time(self) -> float:
         """Time of the last good state [s]."""
-        raise NotImplementedError
+        return self._now.time
 
     @property
     def steps(self) -> int:
-        """Number of steps done since time zero."""
-        raise NotImplementedError
+        """Number of whole steps done since time zero."""
+        return self._steps
 
     @property
     def critical_step(self) -> float:
-        """Largest stable step of an explicit method at the start [s]; infinite for others."""
-        raise NotImplementedError
+        """Largest stable step of an explicit method [s], when last looked at; infinite for others.
+
+        Collective at first.
+        """
+        if self._critical is None:
+            self._critical = math.inf
+            if self.integrator.explicit:
+                system = self._system
+                local = system.local(self._now.displacement)
+                omega = largest_frequency(self.solid, local, system.free)
+                self._critical = self.integrator.critical_step(omega, system.settings.damping)
+        return self._critical
 
     @property
     def state(self) -> State:
         """The last good state; collective."""
-        raise NotImplementedError
+        gather, now = self.solid.nodes.gather, self._now
+        return State(
+            time=now.time,
+            step=self._steps,
+            displacement=gather(now.displacement),
+            velocity=gather(now.velocity),
+            acceleration=gather(now.acceleration),
+        )
 
     @property
     def energies(self) -> Energies:
         """Energies of the last good state; collective, assembles the strain energy."""
-        raise NotImplementedError
+        system, now = self._system, self._now
+        return Energies(
+            kinetic=0.5 * system.product(now.velocity, system.mass.apply(now.velocity)),
+            strain=self.solid.assembly.energy(system.local(now.displacement)),
+            external=self._work.external,
+            dissipated=self._work.dissipated,
+        )
+
+    @property
+    def definite(self) -> bool | None:
+        """Whether the last matrix solved with was positive definite; None if nothing can tell."""
+        return None if self.integrator.explicit else self._system.tangents.definite
+
+    @property
+    def probe_names(self) -> tuple[str, ...]:
+        """Names of the probes in the order given."""
+        return self._probes.names
 
     def probe(self, name: str) -> Array:
-        """Displacement (3,) [m] of a probe; collective."""
-        raise NotImplementedError
+        """Displacement (3,) [m] of a probe; collective.
+
+        Raises:
+            LoadError: there is no such probe.
+        """
+        return self._probes.value(name, self._now.displacement)
 
     def momentum(self) -> tuple[Array, Array]:
-        """Momentum (3,) [kg m/s], and angular momentum (3,) about the origin [kg m²/s]."""
-        raise NotImplementedError
+        """Momentum (3,) [kg m/s] and angular momentum (3,) about the origin [kg m²/s]; collective.
+
+        The mass is the integrator's, consistent or lumped.
+        """
+        nodes, now = self.solid.nodes, self._now
+        momenta = self._system.mass.apply(now.velocity)
+        places = nodes.points[nodes.rows[: nodes.owned]] + now.displacement
+        own = np.array([momenta.sum(axis=0), np.cross(places, momenta).sum(axis=0)])
+        linear, angular = self.solid.comm.allreduce(own)
+        return linear, angular
+
+    def reactions(self) -> Array:
+        """Forces (n, 3) [N] of supports and of what prescribes motions upon the body; collective.
+
+        M a + C v + f - g at components that are not free; zero at others.
+        """
+        system, now = self._system, self._now
+        forces = system.forces(now)
+        balance = system.mass.apply(now.acceleration) + forces.damping
+        balance += forces.internal - forces.external
+        return self.solid.nodes.gather_own(np.where(system.free, 0.0, balance))
 
     def advance(self) -> StepReport:
         """Do one step.
 
+        Returns:
+            how it went.
+
         Raises:
-            DivergenceError: it failed however often it was halved; the last good state stands.
+            DivergenceError: it failed however often it was halved; the last good state, maybe part
+                of a step on, stands.
             StepSizeError: an explicit method's limit has fallen below the step.
         """
-        raise NotImplementedError
+        if self._since_origin and self._since_origin % _LIMIT_EVERY == 0:
+            self._critical = None
+            self._check_limit()
+        system = self._system
+        system.reset_counters()
+        self._substeps: list[Substep] = []
+        end = self._origin + (self._since_origin + 1) * self.step
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            start = self._struck(self._now, end)
+            halvings = run_substeps(
+                start, end, advance=self._substep, keep=self._keep, most=self._halvings
+            )
+        self._steps += 1
+        self._since_origin += 1
+        return StepReport(
+            time=self._now.time,
+            step=self._steps,
+            newton_iterations=system.newton_iterations,
+            linear_iterations=system.linear_iterations,
+            halvings=halvings,
+            substeps=tuple(self._substeps),
+        )
 
     def restore(self, state: State, energies: Energies) -> None:
         """Go on from a state that this simulation, or another of the same kind, gave out.
@@ -117,16 +236,100 @@ class Simulation:
         With the direct solver the numbers that follow are those of the uninterrupted run, bit by
         bit on the same number of ranks.
 
+        Args:
+            state: where to go on.
+            energies: those of the same time.
+
         Raises:
             LoadError: arrays of another shape, or not finite.
         """
-        raise NotImplementedError
+        fields = []
+        for name in ("displacement", "velocity", "acceleration"):
+            values = np.asarray(getattr(state, name), dtype=np.float64)
+            if values.shape != (self.solid.nodes.size, 3) or not np.isfinite(values).all():
+                raise LoadError(
+                    f"the {name} of a state of this body must be finite numbers of the shape "
+                    f"({self.solid.nodes.size}, 3), got an array of the shape {values.shape}"
+                )
+            fields.append(self._own(values))
+        self._now = Instant(float(state.time), *fields)
+        self._steps, self._origin, self._since_origin = state.step, float(state.time), 0
+        if math.isclose(state.time, state.step * self.step, rel_tol=1e-12):
+            # On this simulation's own grid of times: they are to be the same numbers again.
+            self._origin, self._since_origin = 0.0, state.step
+        self._work.external, self._work.dissipated = energies.external, energies.dissipated
+        self._critical = None
+        self._check_limit()
 
     def close(self) -> None:
         """Free the matrices and the solver; collective."""
+        self._system.close()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def _begin(self, initial: Initial) -> Instant:
+        """The motion at time zero, with the acceleration that the forces there give."""
+        system = self._system
+        u, v = (self._own(field) for field in initial.fields(self.solid.nodes.size))
+        u, v = np.where(self._held(), 0.0, u), np.where(self._held(), 0.0, v)
+        u = system.with_prescribed(0.0, u)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            now = system.instant(0.0, self.step, u, v, np.zeros_like(u))
+            if isinstance(self.integrator, QuasiStatic):
+                return now
+            try:
+                return system.free_acceleration(now)
+            except StepFailure as failure:
+                raise LoadError(
+                    f"the motion cannot begin: {failure.reason}; check the initial displacement "
+                    "and the loads at time zero"
+                ) from failure
+
+    def _held(self) -> NDArray[np.bool_]:
+        constraints = self._system.constraints
+        return ~constraints.free & ~constraints.prescribed
+
+    def _own(self, field: Array) -> Array:
+        return self.solid.nodes.scatter(field)[: self.solid.nodes.owned].copy()
+
+    def _struck(self, start: Instant, end: float) -> Instant:
+        """The motion after the impulses of a step, which act at its start."""
+        system, tiny = self._system, 1e-9 * self.step
+        for impulse, momentum in system.loads.impulses:
+            if not start.time - tiny <= impulse.time < end - tiny:
+                continue
+            change = system.mass.solve(momentum, system.free)
+            before, after = start.velocity, start.velocity + change
+            self._work.add_blow(np.where(system.free, momentum, 0.0), before, after)
+            start = Instant(start.time, start.displacement, after, start.acceleration)
+            if any(system.settings.damping) and not isinstance(self.integrator, QuasiStatic):
+                start = system.free_acceleration(start)
+        return start
+
+    def _substep(self, start: Instant, length: float) -> Instant:
+        system = self._system
+        reached = self.integrator.advance(system, start, length)
+        forces = system.forces(reached)
+        if not system.is_finite(forces.internal + forces.damping):
+            raise StepFailure("the forces became infinite or no number", system.residuals)
+        return reached
+
+    def _keep(self, start: Instant, reached: Instant) -> None:
+        self._work.add_step(start, reached)
+        residuals = () if self.integrator.explicit else self._system.residuals
+        self._substeps.append(Substep(reached.time, residuals))
+        self._now = reached
+
+    def _check_limit(self) -> None:
+        limit = self.critical_step
+        if self._allow_unstable or self.step <= limit:
+            return
+        raise StepSizeError(
+            f"the step of {self.step:.6g} s is beyond {limit:.6g} s, the largest stable step of "
+            f"{type(self.integrator).__name__} at {self.time:.6g} s; take 0.9 of that, an implicit "
+            "method, fewer slivers in the mesh, or allow_unstable=True"
+        )

@@ -56,18 +56,30 @@ class Energies:
 
 
 @dataclass(frozen=True, slots=True)
+class Substep:
+    """A part of a step that was done at once; the whole step unless it had to be halved.
+
+    Args:
+        time: at its end [s].
+        residuals: relative residual ‖r‖ / max(‖M a‖, ‖C v‖, ‖f‖, ‖g‖) before each solve of Newton's
+            method and after the last; none for explicit methods.
+    """
+
+    time: float
+    residuals: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class StepReport:
     """How one step went.
 
     Args:
         time: at its end [s].
         step: its number, from 1.
-        newton_iterations: linear solves of Newton's method, those of failed attempts included; 0
-            for explicit methods.
-        linear_iterations: conjugate gradient iterations of them; 0 for a direct solver.
+        newton_iterations: linear solves, those of failed attempts included; 0 for explicit methods.
+        linear_iterations: conjugate gradient iterations of them; 1 a solve by the direct solver.
         halvings: how often the step was halved.
-        residuals: relative residual before each solve and, where Newton is converged, at its end;
-            of the last substep.
+        substeps: its parts.
     """
 
     time: float
@@ -75,7 +87,12 @@ class StepReport:
     newton_iterations: int
     linear_iterations: int
     halvings: int
-    residuals: tuple[float, ...]
+    substeps: tuple[Substep, ...]
+
+    @property
+    def residuals(self) -> tuple[float, ...]:
+        """Relative residuals of the last part."""
+        return self.substeps[-1].residuals
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +149,8 @@ class Equilibrium:
         load_factors: (s,) parts of the load at which equilibrium was found, the last one 1.
         residuals: relative residuals of Newton's iterations, one tuple a load factor.
         iterations: linear solves in all.
+        definite: whether the last tangent that was factorised was positive definite, as it is near
+            a stable equilibrium; None if the solver cannot tell.
     """
 
     displacement: Array
@@ -140,3 +159,4 @@ class Equilibrium:
     load_factors: tuple[float, ...]
     residuals: tuple[tuple[float, ...], ...]
     iterations: int
+    definite: bool | None

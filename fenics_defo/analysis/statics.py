@@ -1,14 +1,21 @@
 """Static equilibrium under loads: f(u) = g(u)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from numpy.typing import ArrayLike
 
-from fenics_defo.analysis.loads import Load
+from fenics_defo.analysis.applied_loads import as_loads
+from fenics_defo.analysis.histories import Ramp
+from fenics_defo.analysis.initial import Initial
+from fenics_defo.analysis.integrators import QuasiStatic
+from fenics_defo.analysis.loads import Impulse, Load
 from fenics_defo.analysis.prescribed import Prescribed
-from fenics_defo.analysis.simulation import Linear
-from fenics_defo.analysis.states import Equilibrium
+from fenics_defo.analysis.simulation import Simulation
+from fenics_defo.analysis.states import Equilibrium, Substep
+from fenics_defo.errors import DivergenceError, LoadError
 from fenics_defo.fem import Solid
+from fenics_defo.fem.linear_solvers import Kind
 
 
 def static_equilibrium(
@@ -19,7 +26,7 @@ def static_equilibrium(
     load_steps: int = 1,
     tolerance: float = 1e-8,
     max_iterations: int = 50,
-    linear: Linear = "cholesky",
+    linear: Kind = "cholesky",
     linear_tolerance: float = 1e-10,
     initial: ArrayLike | None = None,
     max_halvings: int = 10,
@@ -50,4 +57,59 @@ def static_equilibrium(
         LoadError: loads that this body cannot take.
         SelectionError: a region that the mesh does not have.
     """
-    raise NotImplementedError
+    if isinstance(load_steps, bool) or not (isinstance(load_steps, int) and load_steps >= 1):
+        raise LoadError(f"load_steps must be a whole number from 1, got {load_steps!r}")
+    whole = Ramp(1.0)  # the load's part is a time from 0 to 1
+    substeps: list[Substep] = []
+    iterations = 0
+    with Simulation(
+        solid,
+        [_with_history(load, whole) for load in as_loads(loads)],
+        QuasiStatic(),
+        step=1.0 / load_steps,
+        newton=None,
+        newton_tolerance=tolerance,
+        newton_iterations=max_iterations,
+        linear=linear,
+        linear_tolerance=linear_tolerance,
+        initial=None if initial is None else Initial(displacement=initial),
+        prescribed=[replace(motion, history=whole) for motion in prescribed],
+        max_halvings=max_halvings,
+    ) as simulation:
+        try:
+            for _ in range(load_steps):
+                report = simulation.advance()
+                substeps += report.substeps
+                iterations += report.newton_iterations
+        except DivergenceError as error:
+            raise _not_found(error) from error
+        return Equilibrium(
+            displacement=simulation.state.displacement,
+            reactions=simulation.reactions(),
+            strain_energy=simulation.energies.strain,
+            load_factors=tuple(substep.time for substep in substeps),
+            residuals=tuple(substep.residuals for substep in substeps),
+            iterations=iterations,
+            definite=simulation.definite,
+        )
+
+
+def _with_history(load: Load, history: Ramp) -> Load:
+    if isinstance(load, Impulse):
+        raise LoadError("an impulse has no part in an equilibrium; simulate the motion instead")
+    return replace(load, history=history)
+
+
+def _not_found(error: DivergenceError) -> DivergenceError:
+    history = ", ".join(f"{residual:.1e}" for residual in error.residuals[-8:])
+    said = f" (relative residuals {history})" if history else ""
+    return DivergenceError(
+        f"no equilibrium was found beyond {error.time:.4g} of the load, in parts as small as "
+        f"{error.step:.2g}: {error.reason}{said}. The body may buckle or collapse there; try more "
+        "load_steps, a smaller load, a start from a displacement near the equilibrium, or a damped "
+        "motion towards it (BackwardEuler with a mass damping)",
+        time=error.time,
+        step=error.step,
+        residuals=error.residuals,
+        reason=error.reason,
+    )

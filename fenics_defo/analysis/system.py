@@ -1,11 +1,251 @@
-"""The equations of motion of a body on this rank's own nodes."""
+"""The equations of motion of a body over this rank's own nodes, M a + C v + f(u) = g(t, u)."""
 
-from fenics_defo.analysis.instant import Instant, Rule
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.analysis.applied_loads import AppliedLoads
+from fenics_defo.analysis.constraints import Constraints
+from fenics_defo.analysis.implicit_step import ImplicitStep, NewtonSettings
+from fenics_defo.analysis.inertia_operators import ConsistentMassOperator, LumpedMass, Mass
+from fenics_defo.analysis.instant import Forces, Instant, Rule, StepFailure
+from fenics_defo.analysis.loads import Load
+from fenics_defo.analysis.prescribed import Prescribed
+from fenics_defo.analysis.tangents import Tangents
+from fenics_defo.fem import Solid
+from fenics_defo.fem.compat import MPI, dolfinx
+from fenics_defo.fem.linear_solvers import Kind
+
+Array = NDArray[np.float64]
+
+# Part of the body's size that the difference quotient along a velocity goes: the root of the
+# round-off balances its two errors.
+_DIFFERENCE = float(np.sqrt(np.finfo(float).eps))
+
+
+@dataclass(frozen=True, slots=True)
+class SystemSettings:
+    """How the equations are written and solved.
+
+    Args:
+        damping: Rayleigh's (alpha [1/s], beta [s]).
+        newton: Newton's method.
+        linear: linear solver.
+        linear_tolerance: relative residual of conjugate gradients.
+        explicit: whether the mass is lumped and no matrix is needed.
+    """
+
+    damping: tuple[float, float]
+    newton: NewtonSettings
+    linear: Kind
+    linear_tolerance: float
+    explicit: bool
 
 
 class System:
-    """M a + C v + f(u) = g(t, u), evaluated and solved."""
+    """A body, its loads and its constraints, ready to be integrated; collective.
+
+    Fields are arrays (owned nodes, 3), never written to once they are in an `Instant`: forces and
+    tangents that belong to one are known by it.
+
+    Args:
+        solid: body.
+        loads: what acts on it.
+        prescribed: prescribed motions.
+        settings: how the equations are solved.
+
+    Raises:
+        LoadError: loads or prescribed motions that this body cannot take.
+        SelectionError: a region that the mesh does not have.
+    """
+
+    def __init__(
+        self,
+        solid: Solid,
+        loads: Sequence[Load],
+        prescribed: Sequence[Prescribed],
+        settings: SystemSettings,
+    ) -> None:
+        self.solid = solid
+        self.settings = settings
+        self.comm = solid.comm
+        self.owned = solid.nodes.owned
+        self.constraints = Constraints(solid, prescribed)
+        self.free = self.constraints.free
+        make_mass = LumpedMass if settings.explicit else ConsistentMassOperator
+        self.mass: Mass = make_mass(solid.assembly)
+        self.loads = AppliedLoads(solid, loads, self.mass)
+        self.size = float(np.ptp(solid.points, axis=0).max())
+        #: Counters since `reset_counters`.
+        self.newton_iterations = self.linear_iterations = 0
+        #: Relative residuals of the last implicit step.
+        self.residuals: tuple[float, ...] = ()
+        self._ghosted = dolfinx.la.vector(solid.space.dofmap.index_map, 3)
+        self._internal: tuple[Array, Array] | None = None
+        self._viscous: tuple[Array, Array] | None = None
+        self._forces: tuple[Instant, Forces] | None = None
+
+    @cached_property
+    def tangents(self) -> Tangents:
+        """Matrices, allocated on first use."""
+        settings = self.settings
+        return Tangents(self.solid, self.constraints, settings.linear, settings.linear_tolerance)
+
+    def reset_counters(self) -> None:
+        """Count iterations from zero again."""
+        self.newton_iterations = self.linear_iterations = 0
+
+    def close(self) -> None:
+        """Free the matrices."""
+        if "tangents" in self.__dict__:
+            self.tangents.close()
+
+    def local(self, field: Array) -> Array:
+        """A field with its ghosts (d, 3); valid until the next call."""
+        if self.comm.size == 1:
+            return field
+        self._ghosted.array[: field.size] = field.ravel()
+        self._ghosted.scatter_forward()
+        return np.asarray(self._ghosted.array).reshape(-1, 3)
+
+    def product(self, left: Array, right: Array) -> float:
+        """Sum of the products of all components on all ranks."""
+        return float(self.comm.allreduce(float(np.vdot(left, right))))
+
+    def norm(self, field: Array) -> float:
+        """Euclidean norm over all ranks; not finite if any number is not."""
+        return float(np.sqrt(self.product(field, field)))
+
+    def is_finite(self, field: Array) -> bool:
+        """Whether all numbers on all ranks are finite."""
+        return bool(np.isfinite(self.product(field, field)))
+
+    def internal_force(self, displacement: Array) -> Array:
+        """f(u), reactions included."""
+        if self._internal is None or self._internal[0] is not displacement:
+            force = self.solid.assembly.force(self.local(displacement))[: self.owned]
+            self._internal = (displacement, force)
+        return self._internal[1]
+
+    def external_force(self, time: float, displacement: Array) -> Array:
+        """g(t, u)."""
+        follows = self.loads.follows  # if not, the ghosts are not needed
+        return self.loads.force(time, self.local(displacement) if follows else displacement)
+
+    def mass_damping(self, velocity: Array) -> Array:
+        """α M v."""
+        alpha = self.settings.damping[0]
+        return alpha * self.mass.apply(velocity) if alpha else np.zeros_like(velocity)
+
+    def fill_tangent(self, displacement: Array) -> None:
+        """Fill the tangent at a displacement, unless it is."""
+        if self.tangents.filled_at is not displacement:
+            self.tangents.fill(displacement, self.local(displacement))
+
+    def stiffness_damping(self, displacement: Array, velocity: Array) -> Array:
+        """β K(u) v; implicit methods have filled K, explicit ones take a difference of forces."""
+        beta = self.settings.damping[1]
+        if not beta:
+            return np.zeros_like(velocity)
+        if not self.settings.explicit:
+            self.fill_tangent(displacement)
+            return beta * self.tangents.stiffness_times(velocity)
+        if self._viscous is None or self._viscous[0] is not displacement:
+            self._viscous = (displacement, beta * self._force_along(displacement, velocity))
+        return self._viscous[1]
+
+    def _force_along(self, displacement: Array, velocity: Array) -> Array:
+        """K(u) v as (f(u + s v) - f(u)) / s."""
+        fastest = float(np.abs(velocity).max(initial=0.0))
+        fastest = self.comm.allreduce(fastest, op=MPI.MAX)
+        if not fastest > 0.0:
+            return np.zeros_like(velocity)
+        here = self.internal_force(displacement)
+        step = _DIFFERENCE * self.size / fastest
+        ahead = self.solid.assembly.force(self.local(displacement + step * velocity))
+        return (ahead[: self.owned] - here) / step
+
+    def forces(self, instant: Instant) -> Forces:
+        """All forces at an instant; the implicit methods' tangent is filled there, too."""
+        if self._forces is not None and self._forces[0] is instant:
+            return self._forces[1]
+        u, v = instant.displacement, instant.velocity
+        if not self.settings.explicit:
+            self.fill_tangent(u)
+        internal, external = self.internal_force(u), self.external_force(instant.time, u)
+        damping = self.mass_damping(v) + self.stiffness_damping(u, v)
+        return self.remember(instant, internal, external, damping)
+
+    def remember(
+        self, instant: Instant, internal: Array, external: Array, damping: Array
+    ) -> Forces:
+        """Keep the forces at an instant for those who ask next, with the reactions there."""
+        reaction = np.zeros_like(internal)
+        if self.constraints.moving:
+            balance = self.mass.apply(instant.acceleration) + damping + internal - external
+            np.copyto(reaction, balance, where=self.constraints.prescribed)
+        forces = Forces(internal, external, damping, reaction)
+        self._forces = (instant, forces)
+        return forces
 
     def solve(self, start: Instant, step: float, rule: Rule) -> Instant:
-        """The instant at which the equations hold."""
-        raise NotImplementedError
+        """The instant ``step`` [s] after ``start`` at which the equations hold.
+
+        Raises:
+            StepFailure: none was found.
+        """
+        return ImplicitStep(self, start, step, rule).run()
+
+    def explicit_acceleration(
+        self, time: float, displacement: Array, velocity: Array, *, lag: float
+    ) -> Array:
+        """M⁻¹ (g - f - β K v) - α (v + lag a), solved for a; zero where not free.
+
+        Args:
+            time: [s].
+            displacement: (owned nodes, 3) [m].
+            velocity: (owned nodes, 3) [m/s].
+            lag: how long after ``velocity`` the mass damping takes its own [s].
+        """
+        alpha = self.settings.damping[0]
+        force = self.external_force(time, displacement) - self.internal_force(displacement)
+        force -= self.stiffness_damping(displacement, velocity)
+        acceleration = self.mass.solve(force, self.free)
+        if alpha:
+            acceleration -= np.where(self.free, alpha * velocity, 0.0)
+            acceleration /= 1.0 + alpha * lag
+        return acceleration
+
+    def free_acceleration(self, instant: Instant) -> Instant:
+        """An instant with the acceleration that its forces give the free components."""
+        forces = self.forces(instant)
+        rest = forces.external - forces.internal - forces.damping
+        bound = np.where(self.free, 0.0, instant.acceleration)
+        rest -= self.mass.apply(bound)
+        acceleration = bound + self.mass.solve(rest, self.free)
+        return Instant(instant.time, instant.displacement, instant.velocity, acceleration)
+
+    def with_prescribed(self, time: float, displacement: Array) -> Array:
+        """Write the prescribed displacements at ``time`` [s] into a fresh field; returns it."""
+        if self.constraints.moving:
+            displacement[self.constraints.prescribed] = self.constraints.displacement(time)
+        return displacement
+
+    def instant(
+        self, time: float, step: float, displacement: Array, velocity: Array, acceleration: Array
+    ) -> Instant:
+        """An instant of fresh fields, with the prescribed velocities and accelerations.
+
+        Raises:
+            StepFailure: a displacement or velocity is not finite.
+        """
+        if self.constraints.moving:
+            at = self.constraints.prescribed
+            velocity[at], acceleration[at] = self.constraints.rates(time, step)
+        for field, name in ((displacement, "displacements"), (velocity, "velocities")):
+            if not self.is_finite(field):
+                raise StepFailure(f"the {name} became infinite or no number")
+        return Instant(time, displacement, velocity, acceleration)

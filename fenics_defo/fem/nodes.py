@@ -137,7 +137,7 @@ def number_nodes(space: "dolfinx.fem.FunctionSpace", cell_count: int) -> NodeNum
     else:
         # Corner nodes come first in the cells of both; of equal orders, all nodes agree.
         rows[dofs] = geometry[:, : dofs.shape[1]]
-    cells = np.ascontiguousarray(cells[:, _to_vtk(kind, cells.shape[1])])
+    cells = np.ascontiguousarray(cells[:, vtk_order(kind, cells.shape[1])])
     cell_type, file_nodes = _CELL_NAMES[kind, max(order, mesh_order)], len(points)
     if order > mesh_order:
         points = _with_extra_points(points, cells, cell_type)
@@ -156,7 +156,7 @@ def number_nodes(space: "dolfinx.fem.FunctionSpace", cell_count: int) -> NodeNum
     )
 
 
-def _to_vtk(kind: str, nodes: int) -> NDArray[np.intp]:
+def vtk_order(kind: str, nodes: int) -> NDArray[np.intp]:
     """Columns that bring cells with that many nodes from DOLFINx's order to VTK's."""
     return np.argsort(dolfinx.cpp.io.perm_vtk(dolfinx.cpp.mesh.to_type(kind), nodes))
 
@@ -200,7 +200,7 @@ def _append_extra_nodes(
     """
     row_of_dof = np.full(int(cell_dofs.max()) + 1, -1, np.int64)
     row_of_dof[cell_dofs[:, : corners.shape[1]]] = corners
-    used = cell_dofs[:, _to_vtk(kind, cell_dofs.shape[1])][:, corners.shape[1] :].ravel()
+    used = cell_dofs[:, vtk_order(kind, cell_dofs.shape[1])][:, corners.shape[1] :].ravel()
     extra, first = np.unique(used, return_index=True)
     row_of_dof[extra[np.argsort(first)]] = file_nodes + np.arange(len(extra))
     return row_of_dof
@@ -229,8 +229,8 @@ def _corner_weights(cells: NDArray[np.int64], cell_type: str, count: int) -> spa
     full = basix.create_element(
         basix.ElementFamily.P, basix.CellType[kind], 2, basix.LagrangeVariant.equispaced
     )
-    nodes = full.points[_to_vtk(kind, full.dim)]
-    values = linear.tabulate(0, nodes)[0, :, :, 0][:, _to_vtk(kind, corners)]
+    nodes = full.points[vtk_order(kind, full.dim)]
+    values = linear.tabulate(0, nodes)[0, :, :, 0][:, vtk_order(kind, corners)]
     middle, at = np.unique(cells[:, corners:], return_index=True)
     cell, place = np.divmod(at, cells.shape[1] - corners)
     unit = np.setdiff1d(np.arange(count), middle, assume_unique=True)

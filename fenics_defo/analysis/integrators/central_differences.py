@@ -36,10 +36,10 @@ class CentralDifferences:
 
     def advance(self, system: "System", start: Instant, step: float) -> Instant:
         """The motion ``step`` [s] after ``start``; collective."""
+        time = start.time + step
         half = start.velocity + (0.5 * step) * start.acceleration
-        displacement = start.displacement + step * half
+        u = system.with_prescribed(time, start.displacement + step * half)
         # The mass part of the damping takes the velocity at the end itself: it stays of second
         # order and does not lower the limit.
-        return system.explicit_instant(
-            start, step, displacement=displacement, velocity=half, weight=0.5
-        )
+        a = system.explicit_acceleration(time, u, half, lag=0.5 * step)
+        return system.instant(time, step, u, half + (0.5 * step) * a, a)

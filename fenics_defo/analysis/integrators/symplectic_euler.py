@@ -37,4 +37,8 @@ class SymplecticEuler:
 
     def advance(self, system: "System", start: Instant, step: float) -> Instant:
         """The motion ``step`` [s] after ``start``; collective."""
-        raise NotImplementedError
+        time, u, v = start.time + step, start.displacement, start.velocity
+        a = system.explicit_acceleration(start.time, u, v, lag=step)
+        v = v + step * a
+        u = system.with_prescribed(time, u + step * v)
+        return system.instant(time, step, u, v, a)

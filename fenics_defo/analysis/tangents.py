@@ -1,0 +1,99 @@
+"""The matrices of implicit steps and what solves with them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.analysis.applied_loads import AppliedLoads
+from fenics_defo.analysis.constraints import Constraints
+from fenics_defo.fem import Solid
+from fenics_defo.fem.compat import PETSc
+from fenics_defo.fem.linalg import combine
+from fenics_defo.fem.linear_solvers import Kind, linear_solver
+
+Array = NDArray[np.float64]
+
+
+class Tangents:
+    """K, M and a K + b M - dg/du of one body; allocated once, filled again and again; collective.
+
+    Args:
+        solid: body.
+        constraints: components that are not free.
+        linear: linear solver.
+        tolerance: of conjugate gradients.
+    """
+
+    def __init__(
+        self, solid: Solid, constraints: Constraints, linear: Kind, tolerance: float
+    ) -> None:
+        self._assembly = solid.assembly
+        self._stiffness = self._assembly.empty_matrix()
+        self._mass = self._assembly.mass.matrix()
+        self._effective = self._assembly.empty_matrix()
+        self._effective.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        self._given, self._product = self._stiffness.createVecs()
+        self._rows: NDArray[np.int32] | None = None
+        bound = self._assembly
+        if constraints.moving:
+            first, _ = self._stiffness.getOwnershipRange()
+            mine = np.flatnonzero(constraints.prescribed.ravel())
+            self._rows = (first + mine).astype(PETSc.IntType)
+            bound = self._assembly.with_held(solid.nodes.scatter(constraints.bound))
+        self._solver = linear_solver(linear, bound, tolerance=tolerance)
+        #: Displacement at which K is filled.
+        self.filled_at: Array | None = None
+
+    def fill(self, displacement: Array, local: Array) -> None:
+        """Fill K at a displacement (owned nodes, 3), with ghosts ``local`` (d, 3)."""
+        if self.filled_at is displacement:
+            return
+        self.filled_at = None
+        self._assembly.fill_tangent(self._stiffness, local)
+        self.filled_at = displacement
+
+    def stiffness_times(self, field: Array) -> Array:
+        """K times a field (owned nodes, 3); of held components, the field itself."""
+        self._given.array[:] = field.ravel()
+        self._stiffness.mult(self._given, self._product)
+        return np.array(self._product.array).reshape(-1, 3)
+
+    def diagonal(self) -> Array:
+        """Diagonal of K (owned nodes, 3)."""
+        self._stiffness.getDiagonal(self._product)
+        return np.array(self._product.array).reshape(-1, 3)
+
+    def prepare(
+        self, scale: float, mass_scale: float, loads: AppliedLoads, time: float, local: Array
+    ) -> None:
+        """Make ``scale`` K + ``mass_scale`` M - dg/du ready for `solve`.
+
+        Raises:
+            SolverError: it is singular or not finite, or memory ran out.
+        """
+        combine(self._effective, self._stiffness, scale, self._mass, mass_scale)
+        if loads.follows:
+            loads.subtract_tangent(self._effective, time, local)
+        if self._rows is not None:
+            self._effective.zeroRowsColumns(self._rows, diag=scale)
+        self._solver.prepare(self._effective)
+
+    def solve(self, right_side: Array) -> tuple[Array, int]:
+        """Solution (owned nodes, 3) and iterations; the right-hand side is zero where not free.
+
+        Raises:
+            SolverError: the iteration did not converge.
+        """
+        solution = self._solver.solve(right_side.ravel()).reshape(-1, 3)
+        return solution, self._solver.iterations
+
+    @property
+    def definite(self) -> bool | None:
+        """Whether the last matrix was positive definite; None if the solver cannot tell."""
+        negative = getattr(self._solver, "negative_eigenvalues", None)
+        return None if negative is None else negative == 0
+
+    def close(self) -> None:
+        """Free the matrices; collective."""
+        self._solver.close()
+        for thing in (self._stiffness, self._mass, self._effective, self._given, self._product):
+            thing.destroy()
