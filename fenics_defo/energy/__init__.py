@@ -1,7 +1,10 @@
 """Hyperelastic energies as UFL functions of the deformation gradient, and their constants."""
 
 from fenics_defo.energy.constants import Constant
+from fenics_defo.energy.corotational import Corotational
 from fenics_defo.energy.evaluation import evaluate
+from fenics_defo.energy.formula import formula
+from fenics_defo.energy.invertible import Invertible
 from fenics_defo.energy.kinematics import (
     deformation_gradient,
     green_lagrange,
@@ -10,22 +13,30 @@ from fenics_defo.energy.kinematics import (
     right_cauchy_green,
     small_strain,
 )
+from fenics_defo.energy.mass_spring import MassSpring
 from fenics_defo.energy.material import IsotropicMaterial, Material, cell_count
 from fenics_defo.energy.materials import LinearElastic, MooneyRivlin, NeoHookean, StVenantKirchhoff
+from fenics_defo.energy.point_law import PointLaw
 from fenics_defo.energy.rest_state import RestState, linear_moduli, rest_state
 from fenics_defo.energy.stress import cauchy, first_piola, second_piola, tangent
 from fenics_defo.energy.tables import material_from_table, read_materials
 from fenics_defo.energy.user_energy import HyperelasticEnergy, IsotropicEnergy
+from fenics_defo.runtime.laws import PointResponse
 
 __all__ = [
     "Constant",
+    "Corotational",
     "HyperelasticEnergy",
+    "Invertible",
     "IsotropicEnergy",
     "IsotropicMaterial",
     "LinearElastic",
+    "MassSpring",
     "Material",
     "MooneyRivlin",
     "NeoHookean",
+    "PointLaw",
+    "PointResponse",
     "RestState",
     "StVenantKirchhoff",
     "cauchy",
@@ -33,6 +44,7 @@ __all__ = [
     "deformation_gradient",
     "evaluate",
     "first_piola",
+    "formula",
     "green_lagrange",
     "invariants",
     "isochoric_invariants",

@@ -69,6 +69,17 @@ def check_lengths(constants: Mapping[str, Constant]) -> None:
         )
 
 
+def store(record: object, constants: Mapping[str, Constant]) -> None:
+    """Put checked constants into the frozen ``record``.
+
+    Raises:
+        MaterialError: two of them are fields of different lengths.
+    """
+    check_lengths(constants)
+    for name, value in constants.items():
+        object.__setattr__(record, name, value)
+
+
 def equal_by_value(self: object, other: object) -> bool:
     """``==`` of two material records; the one that dataclasses write cannot compare arrays."""
     if type(self) is not type(other):
@@ -83,7 +94,8 @@ def hash_by_value(self: object) -> int:
     """Hash that goes with `equal_by_value`."""
     values = (np.asarray(getattr(self, field.name)) for field in fields(self))  # type: ignore[arg-type]
     # Adding zero turns -0.0 into 0.0: the two are equal, so their hashes must be.
-    return hash((type(self), *((value + 0.0).tobytes() for value in values)))
+    numbers = (value + 0.0 if value.dtype.kind == "f" else value for value in values)
+    return hash((type(self), *(value.tobytes() for value in numbers)))
 
 
 def _numbers(name: str, value: object) -> NDArray[np.float64]:

@@ -7,101 +7,24 @@ Holzapfel, Nonlinear Solid Mechanics (2000), section 6.5 (Mooney-Rivlin).
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Self
 
 import ufl
 from ufl.core.expr import Expr
 
 from fenics_defo.energy.constants import (
     Constant,
-    check_lengths,
     equal_by_value,
     finite,
     hash_by_value,
     positive,
-    within,
+    store,
 )
 from fenics_defo.energy.kinematics import green_lagrange, invariants, isochoric, small_strain
+from fenics_defo.energy.two_moduli import TwoModuli
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _TwoModuli:
-    """Constants of an isotropic solid; each a number, or (m,) numbers, one a cell.
-
-    Args:
-        young: Young's modulus E [Pa], positive.
-        poisson: Poisson's ratio ν [-], strictly between -1 and 0.5.
-        density: mass of the rest shape per volume ρ [kg/m³], positive.
-
-    Raises:
-        MaterialError: a constant is out of its range, or fields have different lengths.
-    """
-
-    young: Constant
-    poisson: Constant
-    density: Constant
-
-    def __post_init__(self) -> None:
-        constants = {
-            "young": positive("young", self.young, unit="Pa"),
-            "poisson": within(
-                "poisson",
-                self.poisson,
-                low=-1.0,
-                high=0.5,
-                allowed="lie strictly between -1 and 0.5 (use 0.49 where volume hardly changes)",
-            ),
-            "density": positive("density", self.density, unit="kg/m³"),
-        }
-        _store(self, constants)
-
-    @classmethod
-    def from_lame(cls, *, mu: Constant, lmbda: Constant, density: Constant) -> Self:
-        """The same solid from Lamé's constants.
-
-        E = μ(3λ + 2μ)/(λ + μ) and ν = λ/(2(λ + μ)). Only E and ν are kept: `parameters` gives
-        λ back to about 1e-16 λ/μ, relatively.
-
-        Args:
-            mu: shear modulus μ [Pa], positive.
-            lmbda: Lamé's first constant λ [Pa], above -2/3 μ.
-            density: mass of the rest shape per volume ρ [kg/m³], positive.
-
-        Raises:
-            MaterialError: a constant is out of its range, or fields have different lengths.
-        """
-        mu = positive("mu", mu, unit="Pa")
-        lmbda = finite("lmbda", lmbda)
-        check_lengths({"mu": mu, "lmbda": lmbda})
-        within(
-            "the bulk modulus lmbda + 2/3 mu",
-            lmbda + 2.0 / 3.0 * mu,
-            low=0.0,
-            allowed="be positive [Pa]",
-        )
-        return cls(
-            young=mu * (3.0 * lmbda + 2.0 * mu) / (lmbda + mu),
-            poisson=lmbda / (2.0 * (lmbda + mu)),
-            density=density,
-        )
-
-    @property
-    def parameters(self) -> Mapping[str, Constant]:
-        """Lamé's constants: ``mu`` = E/(2(1 + ν)) and ``lmbda`` = Eν/((1 + ν)(1 − 2ν)) [Pa]."""
-        mu = self.young / (2.0 * (1.0 + self.poisson))
-        lmbda = self.young * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson))
-        return {"mu": mu, "lmbda": lmbda}
-
-    def linearised(self) -> tuple[Constant, Constant]:
-        """Young's modulus [Pa] and Poisson's ratio [-] of small strains about the rest shape."""
-        return self.young, self.poisson
-
-    __eq__ = equal_by_value
-    __hash__ = hash_by_value
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LinearElastic(_TwoModuli):
+class LinearElastic(TwoModuli):
     """Linear elasticity: ψ = λ/2 (tr ε)² + μ ε:ε with ε = sym(F) − I.
 
     Not objective: a rigid rotation by θ stores energy of order θ⁴, so it has no energy of the
@@ -119,7 +42,7 @@ class LinearElastic(_TwoModuli):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class StVenantKirchhoff(_TwoModuli):
+class StVenantKirchhoff(TwoModuli):
     """St. Venant-Kirchhoff: ψ = λ/2 (tr E)² + μ E:E with E = (Fᵀ F − I)/2.
 
     For large rotations and small strains. In uniaxial compression the force has its limit at the
@@ -143,7 +66,7 @@ class StVenantKirchhoff(_TwoModuli):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class NeoHookean(_TwoModuli):
+class NeoHookean(TwoModuli):
     """Compressible neo-Hookean: ψ = μ/2 (I1 − 3) − μ ln J + λ/2 (ln J)².
 
     For large strains; ψ grows without bound as J falls to 0, and is undefined (NaN) below.
@@ -193,7 +116,7 @@ class MooneyRivlin:
             "bulk": positive("bulk", self.bulk, unit="Pa"),
             "density": positive("density", self.density, unit="kg/m³"),
         }
-        _store(self, constants)
+        store(self, constants)
         positive("c10 + c01", self.c10 + self.c01, unit="Pa")
 
     @property
@@ -232,10 +155,3 @@ def _quadratic(strain: Expr, parameters: Mapping[str, Expr]) -> Expr:
     return parameters["lmbda"] / 2 * ufl.tr(strain) ** 2 + parameters["mu"] * ufl.inner(
         strain, strain
     )
-
-
-def _store(record: object, constants: Mapping[str, Constant]) -> None:
-    """Put the checked constants into the frozen ``record``."""
-    check_lengths(constants)
-    for name, value in constants.items():
-        object.__setattr__(record, name, value)

@@ -1,0 +1,91 @@
+"""Any isotropic law, continued through flat and inverted cells."""
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.energy.constants import Constant, within
+from fenics_defo.energy.formula import formula
+from fenics_defo.energy.material import IsotropicMaterial
+from fenics_defo.errors import MaterialError
+from fenics_defo.runtime.laws import PointResponse
+
+type Array = NDArray[np.float64]
+
+_Tangent = Literal["definite", "exact"]
+
+
+@dataclass(frozen=True, slots=True)
+class Invertible:
+    """An isotropic law whose stress is continued linearly below a threshold of the stretches.
+
+    Args:
+        material: any law with an energy of the invariants: StVenantKirchhoff, NeoHookean,
+            MooneyRivlin or the user's IsotropicEnergy.
+        threshold: principal stretch below which the law is continued, between 0 and 1 [-].
+        tangent: "definite", the derivative of the stress with its negative eigenvalues at each
+            point raised to zero; or "exact", as it is.
+
+    Raises:
+        MaterialError: ``material`` has no such energy, ``threshold`` is out of its range, or
+            ``tangent`` is neither of the two.
+    """
+
+    material: IsotropicMaterial
+    threshold: float = 0.1
+    tangent: _Tangent = "definite"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.material, IsotropicMaterial):
+            raise MaterialError(
+                "an invertible law needs an energy of the principal stretches, which "
+                f"{type(self.material).__name__} does not have; use StVenantKirchhoff, NeoHookean, "
+                "MooneyRivlin or IsotropicEnergy (or Corotational, which stands inversion itself)"
+            )
+        allowed = "be a number between 0 and 1 (0.1 is usual)"
+        threshold = within("threshold", self.threshold, low=0.0, high=1.0, allowed=allowed)
+        if not isinstance(threshold, float):
+            raise MaterialError(f"threshold must {allowed}, got a field of {len(threshold)} values")
+        object.__setattr__(self, "threshold", threshold)
+        if self.tangent not in get_args(_Tangent):
+            raise MaterialError(
+                f'tangent must be "definite" or "exact", got {self.tangent!r}; '
+                "leave it out for the definite one"
+            )
+
+    @property
+    def density(self) -> Constant:
+        """Mass of the rest shape per volume ρ [kg/m³]."""
+        return self.material.density
+
+    @property
+    def parameters(self) -> Mapping[str, Constant]:
+        """Those of the law."""
+        return self.material.parameters
+
+    @property
+    def formula(self) -> Hashable:
+        """Equal for laws of one energy function, one threshold and one kind of tangent."""
+        return type(self), self.threshold, self.tangent, formula(self.material)
+
+    def linearised(self) -> tuple[Constant, Constant]:
+        """Young's modulus [Pa] and Poisson's ratio [-] of small strains about the rest shape.
+
+        Raises:
+            MaterialError: those of the law's own.
+        """
+        return self.material.linearised()
+
+    def respond(
+        self,
+        F: Array,
+        parameters: Mapping[str, Array | float],
+        *,
+        tangent: bool = True,
+        out: PointResponse | None = None,
+    ) -> PointResponse:
+        """Energy, stress and tangent at m points; see `PointLaw.respond`."""
+        raise NotImplementedError
