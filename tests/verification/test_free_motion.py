@@ -58,8 +58,9 @@ def test_momentum_is_kept(name: str) -> None:
 def test_angular_momentum_of_implicit_methods(name: str, order: float) -> None:
     """Their loss of angular momentum over a given time falls with their order."""
     solid = bar(StVenantKirchhoff, fixed=())
+    spin = np.cross(SPIN, solid.points - solid.points.mean(axis=0))
     losses = []
-    for count in (20, 40, 80):
+    for count in (40, 80):
         found = states(
             solid,
             INTEGRATORS[name],
@@ -67,11 +68,11 @@ def test_angular_momentum_of_implicit_methods(name: str, order: float) -> None:
             count=count,
             newton=None,
             newton_tolerance=1e-9,
-            initial=tumbling(solid),
+            initial=Initial(velocity=spin),
         )
         first, last = (momenta(solid, found[i], lumped=False)[1] for i in (0, -1))
         losses.append(np.linalg.norm(last - first))
-    assert np.log2(losses[1] / losses[2]) == pytest.approx(order, abs=0.35)
+    assert np.log2(losses[0] / losses[1]) == pytest.approx(order, abs=0.2)
 
 
 @each_integrator

@@ -15,13 +15,24 @@ from fenics_defo.analysis import (
 from fenics_defo.energy import NeoHookean, StVenantKirchhoff
 
 each_integrator = pytest.mark.parametrize("name", INTEGRATORS)
-WEIGHT = Gravity((0.0, 0.0, -1.5))
 TIME = 0.4
+
+
+def smoothly(time: float) -> float:
+    """From zero to one within TIME: a sudden load would move modes that no step resolves."""
+    return float(np.sin(0.5 * np.pi * time / TIME) ** 2)
+
+
+WEIGHT = Gravity((0.0, 0.0, -6.0), history=smoothly)
 
 
 @cache
 def swung(name: str, count: int, newton: int | None) -> Array:
-    """Displacement of the tip of a bar that falls into its weight, after some TIME."""
+    """Displacement and velocity (2, 3) of the tip of a bar whose weight comes on, after some TIME.
+
+    From rest and without a force the displacements of symplectic Euler are those of central
+    differences; its velocities are of first order.
+    """
     solid = bar(StVenantKirchhoff)
     found = states(
         solid,
@@ -32,7 +43,9 @@ def swung(name: str, count: int, newton: int | None) -> Array:
         newton=newton,
         newton_tolerance=1e-10,
     )
-    return found[-1].displacement[solid.points[:, 0] > 1.0 - 1e-9].mean(axis=0)
+    end = solid.points[:, 0] > 1.0 - 1e-9
+    last = found[-1]
+    return np.array([last.displacement[end].mean(axis=0), last.velocity[end].mean(axis=0)])
 
 
 @pytest.mark.parametrize(
@@ -41,9 +54,9 @@ def swung(name: str, count: int, newton: int | None) -> Array:
 )
 def test_order_of_convergence(name: str, newton: int | None) -> None:
     """By Richardson's ratio; one Newton iteration a step does not cost the order."""
-    counts = (160, 320, 640) if name in EXPLICIT else (20, 40, 80)
+    counts = (80, 160, 320) if name in EXPLICIT else (20, 40, 80)
     coarse, middle, fine = (swung(name, count, newton) for count in counts)
-    assert np.abs(fine[2]) > 0.1
+    assert np.abs(fine[0, 2]) > 0.1
     observed = np.log2(np.linalg.norm(coarse - middle) / np.linalg.norm(middle - fine))
     assert observed == pytest.approx(ORDERS[name], abs=0.3)
 
@@ -53,8 +66,8 @@ def test_all_methods_tend_to_the_same_motion() -> None:
     newmark = swung("newmark", 80, None)
     euler = 2.0 * swung("backward-euler", 80, None) - swung("backward-euler", 40, None)
     assert euler == pytest.approx(newmark, abs=0.02 * np.abs(newmark).max())
-    central = swung("central-differences", 640, None)
-    symplectic = 2.0 * swung("symplectic-euler", 640, None) - swung("symplectic-euler", 320, None)
+    central = swung("central-differences", 320, None)
+    symplectic = 2.0 * swung("symplectic-euler", 320, None) - swung("symplectic-euler", 160, None)
     assert symplectic == pytest.approx(central, abs=1e-3 * np.abs(central).max())
     assert central == pytest.approx(newmark, abs=0.1 * np.abs(newmark).max())
 
@@ -63,7 +76,7 @@ def test_all_methods_tend_to_the_same_motion() -> None:
 def test_energies_balance(name: str) -> None:
     """kinetic + strain + dissipated - external is constant, but for the order of the method."""
     errors = []
-    for count in (200, 400):
+    for count in (80, 160):
         motion = simulate(
             bar(NeoHookean),
             [Gravity((0.0, 0.0, -1.5), history=Sine(1.2))],
@@ -78,4 +91,6 @@ def test_energies_balance(name: str) -> None:
         assert (np.diff(motion.energies.dissipated) >= 0.0).all()
         errors.append(np.abs(motion.energies.balance - motion.energies.balance[0]).max() / size)
     assert errors[1] < 0.05
-    assert np.log2(errors[0] / errors[1]) > 0.75 * ORDERS[name]
+    # The explicit methods take the velocity of stiffness damping from half a step before.
+    order = 1.0 if name in EXPLICIT else ORDERS[name]
+    assert np.log2(errors[0] / errors[1]) > 0.75 * order

@@ -118,5 +118,5 @@ def test_period_without_damping(name: str) -> None:
         _, q, _ = modal_motion(INTEGRATORS[name], number=1, step=time / count, count=count)
         return abs(float(q[-1] - np.cos(mode.omega * time)))
 
-    counts = (80, 160) if name in EXPLICIT else (40, 80)
+    counts = (160, 320) if name in EXPLICIT else (40, 80)
     assert halving(error, counts)[-1] == pytest.approx(ORDERS[name], abs=0.15)
