@@ -93,12 +93,14 @@ class AppliedLoads:
                 total += form.force(local, amount)[: self._shape[0]]
         return total
 
-    def subtract_tangent(self, matrix: PETSc.Mat, time: float, local: Array) -> None:
-        """Subtract the derivative of the forces from a matrix; collective."""
+    def subtract_tangent(
+        self, matrix: PETSc.Mat, time: float, local: Array, diagonal: float
+    ) -> None:
+        """Subtract the derivative of the forces from a matrix whose held rows have a diagonal."""
         for load, form in self._pressures:
             amount = load.value * factor(load.history, time)
             if amount != 0.0:
-                form.add_tangent(matrix, local, -amount)
+                form.add_tangent(matrix, local, -amount, diagonal=diagonal)
 
     def _momentum(self, impulse: Impulse) -> Array:
         if impulse.region is None:

@@ -312,6 +312,7 @@ class Simulation:
 
     def _substep(self, start: Instant, length: float) -> Instant:
         system = self._system
+        self._before = system.forces(start)
         reached = self.integrator.advance(system, start, length)
         forces = system.forces(reached)
         if not system.is_finite(forces.internal + forces.damping):
@@ -319,7 +320,7 @@ class Simulation:
         return reached
 
     def _keep(self, start: Instant, reached: Instant) -> None:
-        self._work.add_step(start, reached)
+        self._work.add_step(start, reached, self._before, self._system.forces(reached))
         residuals = () if self.integrator.explicit else self._system.residuals
         self._substeps.append(Substep(reached.time, residuals))
         self._now = reached

@@ -49,9 +49,12 @@ class PressureForm:
         force = -self._pressure * ufl.inner(normal, ufl.TestFunction(space))
         measure = _measure(solid, region)
         self._force = dolfinx.fem.form(force * measure)
-        self._tangent = dolfinx.fem.form(
-            ufl.derivative(force * measure, self._displacement, ufl.TrialFunction(space))
+        tangent = ufl.derivative(
+            0.5 * force * measure, self._displacement, ufl.TrialFunction(space)
         )
+        # Only on a closed or supported surface has the pressure a potential and this is symmetric;
+        # the solvers want its symmetric part in any case, and Newton's method forgives the rest.
+        self._tangent = dolfinx.fem.form(tangent + ufl.adjoint(tangent))
 
     def _deform(self, local: Array, pressure: float) -> None:
         self._displacement.x.array[:] = local.ravel()
@@ -64,10 +67,19 @@ class PressureForm:
         vector.scatter_reverse(dolfinx.la.InsertMode.add)
         return np.array(vector.array.reshape(-1, 3))
 
-    def add_tangent(self, matrix: PETSc.Mat, local: Array, pressure: float) -> None:
-        """Add the derivative of the forces [N/m] to a matrix, but for held rows and columns."""
+    def add_tangent(
+        self, matrix: PETSc.Mat, local: Array, pressure: float, *, diagonal: float
+    ) -> None:
+        """Add the symmetric part of the forces' derivative [N/m] to a matrix.
+
+        Args:
+            matrix: from `Assembly.empty_matrix`, filled.
+            local: displacement (d, 3) [m] of this rank's nodes.
+            pressure: [Pa].
+            diagonal: entry of the held rows, which stay as they are otherwise.
+        """
         self._deform(local, pressure)
         dolfinx.fem.petsc.assemble_matrix(
-            matrix, self._tangent, bcs=self._assembly.constraints, diag=0.0
+            matrix, self._tangent, bcs=self._assembly.constraints, diag=diagonal
         )
         matrix.assemble()

@@ -72,7 +72,7 @@ class Tangents:
         """
         combine(self._effective, self._stiffness, scale, self._mass, mass_scale)
         if loads.follows:
-            loads.subtract_tangent(self._effective, time, local)
+            loads.subtract_tangent(self._effective, time, local, scale)
         if self._rows is not None:
             self._effective.zeroRowsColumns(self._rows, diag=scale)
         self._solver.prepare(self._effective)

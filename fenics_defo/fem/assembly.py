@@ -133,7 +133,7 @@ class Assembly:
         return matrix
 
     def fill_tangent(self, matrix: PETSc.Mat, local: Array, *, diagonal: float = 1.0) -> None:
-        """Overwrite a matrix from `empty_matrix` with the tangent; nothing is allocated; collective.
+        """Overwrite a matrix from `empty_matrix` with the tangent, without allocating. Collective.
 
         Args:
             matrix: from `empty_matrix` of this body, whatever its values.
