@@ -1,7 +1,7 @@
 """Any isotropic law, continued through flat and inverted cells."""
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
@@ -10,12 +10,19 @@ from numpy.typing import NDArray
 from fenics_defo.energy.constants import Constant, within
 from fenics_defo.energy.formula import formula
 from fenics_defo.energy.material import IsotropicMaterial
+from fenics_defo.energy.principal import StretchEnergy
 from fenics_defo.errors import MaterialError
-from fenics_defo.runtime.laws import PointResponse
+from fenics_defo.runtime.laws import PointResponse, invertible
 
 type Array = NDArray[np.float64]
 
+#: Principal stretch below which a law is continued if nothing else is said.
+THRESHOLD = 0.1
+
 _Tangent = Literal["definite", "exact"]
+
+# Energies made ready for evaluation, one for all materials of the same formula.
+_COMPILED: dict[Hashable, StretchEnergy] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +42,10 @@ class Invertible:
     """
 
     material: IsotropicMaterial
-    threshold: float = 0.1
+    threshold: float = THRESHOLD
     tangent: _Tangent = "definite"
+    _formula: Hashable = field(init=False, repr=False, compare=False)
+    _energy: StretchEnergy = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.material, IsotropicMaterial):
@@ -45,16 +54,17 @@ class Invertible:
                 f"{type(self.material).__name__} does not have; use StVenantKirchhoff, NeoHookean, "
                 "MooneyRivlin or IsotropicEnergy (or Corotational, which stands inversion itself)"
             )
-        allowed = "be a number between 0 and 1 (0.1 is usual)"
-        threshold = within("threshold", self.threshold, low=0.0, high=1.0, allowed=allowed)
-        if not isinstance(threshold, float):
-            raise MaterialError(f"threshold must {allowed}, got a field of {len(threshold)} values")
-        object.__setattr__(self, "threshold", threshold)
+        object.__setattr__(self, "threshold", check_threshold(self.threshold))
         if self.tangent not in get_args(_Tangent):
             raise MaterialError(
                 f'tangent must be "definite" or "exact", got {self.tangent!r}; '
                 "leave it out for the definite one"
             )
+        key = formula(self.material)
+        if key not in _COMPILED:
+            _COMPILED[key] = StretchEnergy.of(self.material)
+        object.__setattr__(self, "_formula", key)
+        object.__setattr__(self, "_energy", _COMPILED[key])
 
     @property
     def density(self) -> Constant:
@@ -69,7 +79,7 @@ class Invertible:
     @property
     def formula(self) -> Hashable:
         """Equal for laws of one energy function, one threshold and one kind of tangent."""
-        return type(self), self.threshold, self.tangent, formula(self.material)
+        return type(self), self.threshold, self.tangent, self._formula
 
     def linearised(self) -> tuple[Constant, Constant]:
         """Young's modulus [Pa] and Poisson's ratio [-] of small strains about the rest shape.
@@ -88,4 +98,25 @@ class Invertible:
         out: PointResponse | None = None,
     ) -> PointResponse:
         """Energy, stress and tangent at m points; see `PointLaw.respond`."""
-        raise NotImplementedError
+        return invertible(
+            F,
+            self._energy,
+            tuple(parameters[name] for name in self._energy.names),
+            threshold=self.threshold,
+            tangent=tangent,
+            definite=self.tangent == "definite",
+            out=out,
+        )
+
+
+def check_threshold(value: object) -> float:
+    """``value`` as a threshold of the principal stretches.
+
+    Raises:
+        MaterialError: it is not a number between 0 and 1.
+    """
+    allowed = "be a number between 0 and 1 (0.1 is usual)"
+    threshold = within("threshold", value, low=0.0, high=1.0, allowed=allowed)
+    if not isinstance(threshold, float):
+        raise MaterialError(f"threshold must {allowed}, got a field of {len(threshold)} values")
+    return threshold

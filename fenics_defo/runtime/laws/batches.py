@@ -57,7 +57,7 @@ def cofactor(A: Array) -> Array:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """a × b (3, b)."""
+    """A × b (3, b)."""
     result = np.empty_like(a)
     for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
         np.subtract(a[j] * b[k], a[k] * b[j], out=result[i])
@@ -67,3 +67,17 @@ def cross(a: Array, b: Array) -> Array:
 def rows(value: Array | float, part: slice) -> Array | float:
     """What a batch sees of a number, or of one number a point (m,)."""
     return value[part] if isinstance(value, np.ndarray) and value.ndim else value
+
+
+def outer(a: Array, b: Array) -> Array:
+    """A ⊗ b (3, 3, b) of vectors (3, b)."""
+    return a[:, None] * b
+
+
+def store_block(out: Array, block: Array, i: int, k: int) -> None:
+    """Write A_ijkl and its mirror A_klij from ``block``_jl (3, 3, b)."""
+    for j in range(3):
+        for m in range(3):
+            out[:, i, j, k, m] = block[j, m]
+            if i != k:
+                out[:, k, m, i, j] = block[j, m]

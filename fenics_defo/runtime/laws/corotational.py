@@ -12,6 +12,7 @@ from fenics_defo.runtime.laws.batches import (
     inner,
     product,
     rows,
+    store_block,
     transpose,
 )
 from fenics_defo.runtime.laws.eigen3 import raise_to_zero
@@ -114,9 +115,7 @@ def _spin_weights(
     return weights
 
 
-def _write_tangent(
-    out: Array, R: Array, W: Array, mu: Array | float, lmbda: Array | float
-) -> None:
+def _write_tangent(out: Array, R: Array, W: Array, mu: Array | float, lmbda: Array | float) -> None:
     """2μ δ_ik δ_jl + λ R_ij R_kl + W_ab (T_a)_ij (T_b)_kl; the rows of T are (r_i × e_a)_j."""
     scaled = lmbda * R
     turned = [_crossed(R[i], W) for i in range(3)]  # [r_i]× W
@@ -129,11 +128,7 @@ def _write_tangent(
             if i == k:
                 for j in range(3):
                     block[j, j] += twice
-            for j in range(3):
-                for l in range(3):
-                    out[:, i, j, k, l] = block[j, l]
-                    if i != k:
-                        out[:, k, l, i, j] = block[j, l]
+            store_block(out, block, i, k)
 
 
 def _crossed(r: Array, A: Array) -> Array:

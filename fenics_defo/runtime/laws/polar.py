@@ -18,8 +18,8 @@ type Array = NDArray[np.float64]
 _STEPS = 12
 # Relative step of Newton's iteration for the trace after which its error is its square.
 _CLOSE = 1e-6
-# (s1 + s2)(s1 + s3)(s2 + s3) relative to (s1 + s2 + s3)³ below which the closed form loses more than
-# half of the digits, and the singular vectors are asked for.
+# Divisor of the closed form relative to (s1 + s2 + s3)³ below which it loses too many digits, and
+# the singular vectors are asked for.
 _HARD = 1e-3
 
 

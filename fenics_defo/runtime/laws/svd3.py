@@ -48,8 +48,8 @@ def svd_components(F: Array) -> tuple[Array, Array, Array]:
         squares, V = symmetric_eigen(product(transpose(F), F))
         _exchange(squares, V, 0, 1)
         _exchange(squares, V, 0, 2)
-        second, third = _straightened(F, V)
-        V[:, 1], V[:, 2] = second, cross(V[:, 0], second)
+        V[:, 1] = _straightened(F, V)
+        V[:, 2] = cross(V[:, 0], V[:, 1])
         U, s = np.empty_like(V), np.empty_like(squares)
         images = product(F, V)
         s[0] = np.sqrt(inner(images[:, 0], images[:, 0]))
@@ -70,14 +70,17 @@ def _exchange(values: Array, vectors: Array, p: int, q: int) -> None:
         row[p], row[q] = np.where(less, row[q], row[p]), np.where(less, row[p], row[q])
 
 
-def _straightened(F: Array, V: Array) -> tuple[Array, Array]:
-    """V's second and third column turned so that their images are orthogonal, the longer first."""
+def _straightened(F: Array, V: Array) -> Array:
+    """V's second column turned in the plane of its third so that their images are orthogonal.
+
+    Of the two directions that are, it is the one with the longer image.
+    """
     a, b = (sum(F[:, i] * V[i, j] for i in range(3)) for j in (1, 2))
     first, second = inner(a, a), inner(b, b)
     cosine, sine, change = rotation(first, second, inner(a, b))
     u, v = rotated(V[:, 1], V[:, 2], cosine, sine)
     less = first - change < second + change
-    return np.where(less, v, u), np.where(less, u, v)
+    return np.where(less, v, u)
 
 
 def _complete(U: Array, s: Array) -> None:
