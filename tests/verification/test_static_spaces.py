@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from bodies import box, box_arrays, orders, richardson_order
+from bodies import box, box_arrays, orders
 
 from fenics_defo.analysis import Gravity, Pressure, static_equilibrium
 from fenics_defo.energy import LinearElastic, NeoHookean
