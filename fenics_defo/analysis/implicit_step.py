@@ -117,7 +117,7 @@ class ImplicitStep:
     def _newton(self, residuals: list[float], *, search: bool) -> Instant:
         system, newton = self._system, self._system.settings.newton
         u, self._to_come = self._start.displacement, system.constraints.moving
-        system.fill_tangent(u)
+        system.linearise(u)
         balance = self._balance(u)
         self._first_scale = balance.scale
         residuals.append(_ratio(balance.size, balance.scale))
@@ -127,7 +127,7 @@ class ImplicitStep:
                 return self._end(u, balance)
             direction = self._direction(u, balance)
             u = self._moved(u, direction, balance, search=search and not self._to_come)
-            system.fill_tangent(u)
+            system.linearise(u)
             balance = self._balance(u)
             residuals.append(_ratio(balance.size, balance.scale))
             if not balance.size <= _HOPELESS * max(self._first_scale, balance.scale):
@@ -200,7 +200,12 @@ class ImplicitStep:
         system.newton_iterations += 1
         try:
             system.tangents.prepare(scale, mass_scale, system.loads, self._time, local)
-            direction, iterations = system.tangents.solve(right_side)
+            if follows and system.settings.newton.iterations is None:
+                direction, iterations = system.tangents.solve_unsymmetric(
+                    right_side, system.loads, self._time, local
+                )
+            else:
+                direction, iterations = system.tangents.solve(right_side)
         except SolverError as error:
             raise StepFailure(str(error)) from error
         system.linear_iterations += iterations
@@ -220,7 +225,8 @@ class ImplicitStep:
             trial = u + length * direction
             if self._to_come and length == 1.0:  # without the round-off of the sum
                 system.with_prescribed(self._time, trial)
-            if not system.is_finite(system.internal_force(trial)):
+            force = system.internal_force(trial) if search else system.linearise(trial)
+            if not system.is_finite(force):
                 length *= 0.5
                 continue
             ahead = system.product(direction, self._balance(trial).residual) if search else 0.0

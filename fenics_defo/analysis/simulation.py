@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from fenics_defo.analysis.frequency_bound import largest_frequency
 from fenics_defo.analysis.implicit_step import NewtonSettings
 from fenics_defo.analysis.initial import Initial
-from fenics_defo.analysis.instant import Instant, StepFailure
+from fenics_defo.analysis.instant import Forces, Instant, StepFailure
 from fenics_defo.analysis.integrators.integrator import Integrator
 from fenics_defo.analysis.integrators.quasi_static import QuasiStatic
 from fenics_defo.analysis.loads import Load
@@ -208,8 +208,7 @@ class Simulation:
             StepSizeError: an explicit method's limit has fallen below the step.
         """
         if self._since_origin and self._since_origin % _LIMIT_EVERY == 0:
-            self._critical = None
-            self._check_limit()
+            self._look_again()
         system = self._system
         system.reset_counters()
         self._substeps: list[Substep] = []
@@ -314,10 +313,33 @@ class Simulation:
         system = self._system
         self._before = system.forces(start)
         reached = self.integrator.advance(system, start, length)
-        forces = system.forces(reached)
-        if not system.is_finite(forces.internal + forces.damping):
+        after = system.forces(reached)
+        if not system.is_finite(after.internal + after.damping):
             raise StepFailure("the forces became infinite or no number", system.residuals)
+        if self.integrator.explicit and not self._allow_unstable:
+            self._check_growth(start, reached, after)
         return reached
+
+    def _check_growth(self, start: Instant, reached: Instant, after: Forces) -> None:
+        """Look at an explicit method's limit again once the motion itself is beyond it.
+
+        A mode that grows soon rules the motion, and then Δu·Δf / Δu·MΔu is its ω².
+        """
+        system = self._system
+        change = reached.displacement - start.displacement
+        stiff = system.product(change, after.internal - self._before.internal)
+        heavy = system.product(change, system.mass.apply(change))
+        squared = stiff / heavy if heavy > 0.0 else 0.0
+        damping = system.settings.damping
+        if squared > 0.0 and (
+            self.integrator.critical_step(math.sqrt(squared), damping) < self.step
+        ):
+            self._look_again()
+
+    def _look_again(self) -> None:
+        if not self._allow_unstable:
+            self._critical = None
+            self._check_limit()
 
     def _keep(self, start: Instant, reached: Instant) -> None:
         self._work.add_step(start, reached, self._before, self._system.forces(reached))

@@ -85,7 +85,7 @@ class System:
         self.residuals: tuple[float, ...] = ()
         self._ghosted = dolfinx.la.vector(solid.space.dofmap.index_map, 3)
         self._internal: tuple[Array, Array] | None = None
-        self._viscous: tuple[Array, Array] | None = None
+        self._viscous: tuple[Array, Array, Array] | None = None
         self._forces: tuple[Instant, Forces] | None = None
 
     @cached_property
@@ -140,10 +140,12 @@ class System:
         alpha = self.settings.damping[0]
         return alpha * self.mass.apply(velocity) if alpha else np.zeros_like(velocity)
 
-    def fill_tangent(self, displacement: Array) -> None:
-        """Fill the tangent at a displacement, unless it is."""
+    def linearise(self, displacement: Array) -> Array:
+        """Internal force f(u), with the tangent filled there; laws at points give both at once."""
         if self.tangents.filled_at is not displacement:
-            self.tangents.fill(displacement, self.local(displacement))
+            force = self.tangents.fill(displacement, self.local(displacement))[: self.owned]
+            self._internal = (displacement, force)
+        return self.internal_force(displacement)
 
     def stiffness_damping(self, displacement: Array, velocity: Array) -> Array:
         """β K(u) v; implicit methods have filled K, explicit ones take a difference of forces."""
@@ -151,11 +153,13 @@ class System:
         if not beta:
             return np.zeros_like(velocity)
         if not self.settings.explicit:
-            self.fill_tangent(displacement)
+            self.linearise(displacement)
             return beta * self.tangents.stiffness_times(velocity)
-        if self._viscous is None or self._viscous[0] is not displacement:
-            self._viscous = (displacement, beta * self._force_along(displacement, velocity))
-        return self._viscous[1]
+        known = self._viscous
+        if known is None or known[0] is not displacement or known[1] is not velocity:
+            force = beta * self._force_along(displacement, velocity)
+            known = self._viscous = (displacement, velocity, force)
+        return known[2]
 
     def _force_along(self, displacement: Array, velocity: Array) -> Array:
         """K(u) v as (f(u + s v) - f(u)) / s."""
@@ -174,7 +178,7 @@ class System:
             return self._forces[1]
         u, v = instant.displacement, instant.velocity
         if not self.settings.explicit:
-            self.fill_tangent(u)
+            self.linearise(u)
         internal, external = self.internal_force(u), self.external_force(instant.time, u)
         damping = self.mass_damping(v) + self.stiffness_damping(u, v)
         return self.remember(instant, internal, external, damping)
