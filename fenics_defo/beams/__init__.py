@@ -1,4 +1,4 @@
-"""Closed-form references for users' own tests: beams, bars, the elastica, the elastic sphere.
+"""Closed-form references for users' own tests: beams, the elastica, the sphere, finite strain.
 
 Everything is in SI units, takes keyword arguments and returns NumPy arrays or frozen records.
 Needs NumPy and SciPy only.
@@ -11,6 +11,16 @@ from fenics_defo.beams.cantilever import (
 )
 from fenics_defo.beams.checks import BeamError
 from fenics_defo.beams.elastica import TipPose, elastica_end_force, elastica_end_moment
+from fenics_defo.beams.homogeneous import (
+    LimitPoint,
+    StretchedState,
+    compressive_limit,
+    equibiaxial_tension,
+    principal_stresses,
+    simple_shear,
+    uniaxial_tension,
+)
+from fenics_defo.beams.oscillator import DampedOscillator, rayleigh_oscillator
 from fenics_defo.beams.roots import bar_roots, bending_roots
 from fenics_defo.beams.sections import CircularSection, RectangularSection, Section, TubeSection
 from fenics_defo.beams.sphere import SphereModes, sphere_frequencies
@@ -39,10 +49,13 @@ __all__ = [
     "BeamError",
     "CantileverSpectrum",
     "CircularSection",
+    "DampedOscillator",
+    "LimitPoint",
     "RectangularSection",
     "Section",
     "Segment",
     "SphereModes",
+    "StretchedState",
     "TipDeflection",
     "TipPose",
     "TubeSection",
@@ -54,10 +67,15 @@ __all__ = [
     "cantilever_frequencies",
     "cantilever_spectrum",
     "cantilever_tip",
+    "compressive_limit",
     "elastica_end_force",
     "elastica_end_moment",
+    "equibiaxial_tension",
     "euler_bernoulli_frequencies",
     "midspan_deflection",
+    "principal_stresses",
+    "rayleigh_oscillator",
+    "simple_shear",
     "sphere_frequencies",
     "stepped_axial_frequencies",
     "stepped_bending_frequencies",
@@ -65,4 +83,5 @@ __all__ = [
     "timoshenko_frequencies",
     "torsional_frequencies",
     "twist_angle",
+    "uniaxial_tension",
 ]
