@@ -31,7 +31,7 @@ class Invertible:
 
     Above the threshold it is the law itself, with whatever that lacks. St. Venant-Kirchhoff loses
     its stiffness in compression: along one axis its force has its limit at the stretch 1/√3, and
-    at the threshold 0.1 it resists with a tenth of that. A threshold of 0.6 leaves its weak range
+    at the threshold 0.1 it resists with a quarter of that. A threshold of 0.6 leaves its weak range
     out. Neo-Hookean and Mooney-Rivlin stiffen without bound towards 0: a threshold under 0.1 makes
     inverted cells stiffer than anything else and steps of Newton short. All of them have an
     indefinite tangent in compression, where thin shapes buckle; the definite one then keeps

@@ -86,7 +86,7 @@ def _write(out: Array, U: Array, M: dict[tuple[int, int], Array]) -> None:
     rows, block, term = np.empty((3, *U.shape)), np.empty_like(U), np.empty_like(U)
     for i in range(3):
         for r in range(3):
-            combined(columns[r], U[i], rows[r], term)
+            combined(columns[r], list(U[i]), rows[r], term)
         for k in range(i, 3):
-            combined(rows, U[k], block, term)
+            combined(list(rows), list(U[k]), block, term)
             store_block(out, block, i, k)
