@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Literal
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
@@ -23,7 +24,7 @@ OPTIONS_PREFIX = "fenics_defo_"
 _ORDERING, _METIS = 7, 5
 _MORE_MEMORY = 14
 _NULL_PIVOTS = 24
-_STATUS, _STATUS_DETAIL = 1, 2
+_STATUS, _STATUS_DETAIL, _NEGATIVE_PIVOTS = 1, 2, 12
 _OUT_OF_MEMORY = (-9, -13)
 
 
@@ -33,7 +34,7 @@ class Factorization:
     Args:
         matrix: assembled symmetric matrix; not kept.
         definite: promise that it is positive definite, which spares the search for pivots. Without
-            the promise the pivots' signs can be counted.
+            the promise a matrix with pivots of both signs is factorised accurately.
         precision: of the factors. Those in "single" are half as large, cost half the time and solve
             to a few digits only; where PETSc or MUMPS has none, they are in double precision.
 
@@ -59,10 +60,25 @@ class Factorization:
         factor.setMumpsIcntl(_MORE_MEMORY, 50)
         factor.setMumpsIcntl(_NULL_PIVOTS, 0 if definite else 1)
         factor.setOptionsPrefix(OPTIONS_PREFIX)
+        self._definite = definite
+        with _option("pc_precision", precision):
+            factor.setFromOptions()
+            self._factorise()
+
+    def refactorise(self, matrix: PETSc.Mat) -> None:
+        """Take another matrix with the same entries; the order of elimination is kept; collective.
+
+        Raises:
+            SolverError: the matrix is singular, or memory ran out; then this object is closed.
+        """
+        matrix.convert("sbaij", self._matrix)
+        self._matrix.setOption(PETSc.Mat.Option.SPD, self._definite)
+        self._solver.setOperators(self._matrix)
+        self._factorise()
+
+    def _factorise(self) -> None:
         try:
-            with _option("pc_precision", precision):
-                factor.setFromOptions()
-                self._solver.setUp()
+            self._solver.setUp()
         except PETSc.Error as error:
             self.close()
             raise SolverError(f"MUMPS could not factorise the stiffness ({error})") from error
@@ -77,7 +93,7 @@ class Factorization:
     @property
     def negative_pivots(self) -> int:
         """Number of negative eigenvalues of the matrix (Sylvester's law of inertia)."""
-        return int(self._factor.getInertia()[0])
+        return int(self._factor.getMumpsInfog(_NEGATIVE_PIVOTS))
 
     def solve(self, right_sides: Array) -> Array:
         """Solve for a block of right-hand sides at once.
@@ -136,6 +152,34 @@ def multiply(matrix: PETSc.Mat, block: Array) -> Array:
     given.destroy()
     product.destroy()
     return result
+
+
+def combine(
+    target: PETSc.Mat, stiffness: PETSc.Mat, scale: float, mass: PETSc.Mat, mass_scale: float
+) -> None:
+    """Overwrite ``target`` with ``scale`` K + ``mass_scale`` M; nothing is allocated; collective.
+
+    Args:
+        target: assembled matrix with the entries of the others; may be K itself.
+        stiffness: K.
+        scale: its factor.
+        mass: M, with the same entries.
+        mass_scale: its factor.
+    """
+    if target.handle != stiffness.handle:
+        stiffness.copy(target, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    if scale != 1.0:
+        target.scale(scale)
+    target.axpy(mass_scale, mass, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+
+
+def orthonormal_columns(comm: MPI.Comm, block: Array) -> Array:
+    """Orthonormal basis (owned dofs, k) of the space of the columns (owned dofs, b); collective."""
+    lengths = np.sqrt(comm.allreduce(np.einsum("ij,ij->j", block, block)))
+    unit = block / np.where(lengths > 0.0, lengths, 1.0)
+    values, vectors = np.linalg.eigh(comm.allreduce(unit.T @ unit))
+    kept = values > 1e-10
+    return unit @ (vectors[:, kept] / np.sqrt(values[kept]))
 
 
 def _dense(like: PETSc.Mat, block: Array) -> PETSc.Mat:
