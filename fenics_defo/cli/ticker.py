@@ -56,8 +56,8 @@ def main() -> None:
                 progress.update(task, total=1.0, completed=float(fraction), description=text)
             else:
                 progress.columns = columns
-                progress.remove_task(task)
-                task = progress.add_task(text, total=None)
+                progress.tasks[0].total = None  # which reset() would keep
+                progress.reset(task, description=text)
 
 
 if __name__ == "__main__":

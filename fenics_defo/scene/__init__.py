@@ -19,13 +19,14 @@ if TYPE_CHECKING:
     from fenics_defo.scene.checkpoint import Checkpoint, load_checkpoint
     from fenics_defo.scene.reading import read_scene
     from fenics_defo.scene.records import Scene
-    from fenics_defo.scene.running import Watcher, simulate
+    from fenics_defo.scene.running import simulate
+    from fenics_defo.scene.watching import Watcher
 
 _HOME = {
     "Cadence": "cadence",
     "Checkpoint": "checkpoint",
     "Scene": "records",
-    "Watcher": "running",
+    "Watcher": "watching",
     "build_initial": "building",
     "build_integrator": "building",
     "build_loads": "building",

@@ -4,13 +4,13 @@ import contextlib
 import os
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fenics_defo.analysis import Phases, Simulation, State, StepReport
+from fenics_defo.analysis import Simulation, State, StepReport
 from fenics_defo.errors import DefoError, SceneError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.ranks import on_first_rank
@@ -21,22 +21,8 @@ from fenics_defo.scene.checkpoint import Checkpoint, Tally, scene_identity
 from fenics_defo.scene.folder import ResultFolder, make_folder, refuse_to_replace, resumed
 from fenics_defo.scene.reading import read_scene
 from fenics_defo.scene.records import Scene
-from fenics_defo.scene.summary import summary_record
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Watcher:
-    """Who looks on while a scene is simulated.
-
-    Args:
-        phases: stopwatch for "read", "build", "start", "simulate" and "write".
-        moved: called with the steps done, the steps in all and the time reached [s].
-        stop: asked after each step, on each rank, whether to stop there.
-    """
-
-    phases: Phases = field(default_factory=Phases)
-    moved: Callable[[int, int, float], None] = lambda _done, _all, _time: None
-    stop: Callable[[], bool] = lambda: False
+from fenics_defo.scene.summary import Standing, summary_record
+from fenics_defo.scene.watching import Watcher
 
 
 def simulate(
@@ -239,25 +225,25 @@ class _Run:
     def _summarise(self, status: str, error: str | None = None) -> dict[str, Any]:
         simulation = self._simulation
         probes, energies = [simulation.probe(name) for name in self._names], simulation.energies
-        critical_step = simulation.critical_step
+        critical_step = simulation.critical_step  # collective, as those before
 
         def write() -> dict[str, Any]:
-            record = summary_record(
-                self._scene,
-                self._solid,
-                simulation,
+            standing = Standing(
                 status=status,
                 error=error,
+                time=simulation.time,
+                steps=simulation.steps,
+                begun_at=self._begun_at,
                 probes=probes,
                 energies=energies,
                 critical_step=critical_step,
                 tally=self._tally,
-                begun_at=self._begun_at,
                 frames=len(self._open_files.frame_times),
                 folder=str(self._folder),
                 files=self._open_files.files,
                 seconds=self._watcher.phases.seconds,
             )
+            record = summary_record(self._scene, self._solid, standing)
             self._open_files.write_summary(record)
             return record
 

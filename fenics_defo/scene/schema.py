@@ -79,13 +79,7 @@ def read_time(table: Table) -> TimeTable:
             "has newton beside tolerance; give newton = 1 for so many iterations a step, "
             "or tolerance = 1e-8 for iterations until it is met"
         )
-    beta = table.number("beta", default=0.25, above=0.0, example="0.25")
-    gamma = table.number("gamma", default=0.5, least=0.5, example="0.5")
-    if not 2.0 * beta >= gamma:
-        raise table.error(
-            f"beta = {beta!r} must be at least half of gamma = {gamma!r}, else no step is stable; "
-            "the usual values are beta = 0.25 and gamma = 0.5"
-        )
+    beta, gamma = _newmark(table)
     converge = static or "tolerance" in table
     return TimeTable(
         integrator=integrator,
@@ -172,3 +166,15 @@ def _optional(
     if key not in table:
         return None
     return table.number(key, above=0.0, most=most, unit=unit, example=example)
+
+
+def _newmark(table: Table) -> tuple[float, float]:
+    """Newmark's β and γ, for which any step is stable on linear bodies."""
+    beta = table.number("beta", default=0.25, above=0.0, example="0.25")
+    gamma = table.number("gamma", default=0.5, least=0.5, example="0.5")
+    if not 2.0 * beta >= gamma:
+        raise table.error(
+            f"beta = {beta!r} must be at least half of gamma = {gamma!r}, else no step is stable; "
+            "the usual values are beta = 0.25 and gamma = 0.5"
+        )
+    return beta, gamma

@@ -2,60 +2,70 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo import __version__
-from fenics_defo.analysis import Energies, Simulation
+from fenics_defo.analysis import Energies
 from fenics_defo.fem import Solid
 from fenics_defo.scene.checkpoint import Tally
 from fenics_defo.scene.records import Scene
 
 
-def summary_record(
-    scene: Scene,
-    solid: Solid,
-    simulation: Simulation,
-    *,
-    status: str,
-    error: str | None,
-    probes: Sequence[NDArray[np.float64]],
-    energies: Energies,
-    critical_step: float,
-    tally: Tally,
-    begun_at: int,
-    frames: int,
-    folder: str,
-    files: Sequence[str],
-    seconds: Mapping[str, float],
-) -> dict[str, Any]:
-    """A record ready for JSON.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Standing:
+    """How far a run is.
 
     Args:
-        scene: scene.
-        solid: its body.
-        simulation: its simulation.
         status: "running", "finished", "interrupted" or "failed".
         error: why it failed.
-        probes: displacement (3,) of each probe now [m].
-        energies: now [J].
+        time: reached [s].
+        steps: done since time zero.
+        begun_at: step that this process went on from.
+        probes: displacement (3,) of each probe [m].
+        energies: [J].
         critical_step: largest stable step [s]; infinite for implicit methods.
         tally: what the run has added up.
-        begun_at: step that this process went on from.
         frames: number of frames.
         folder: name of the folder.
         files: names of the files written.
         seconds: phase -> time on the clock, of this process alone [s].
     """
+
+    status: str
+    error: str | None
+    time: float
+    steps: int
+    begun_at: int
+    probes: Sequence[NDArray[np.float64]]
+    energies: Energies
+    critical_step: float
+    tally: Tally
+    frames: int
+    folder: str
+    files: Sequence[str]
+    seconds: Mapping[str, float]
+
+
+def summary_record(scene: Scene, solid: Solid, standing: Standing) -> dict[str, Any]:
+    """A record ready for JSON.
+
+    Args:
+        scene: scene.
+        solid: its body.
+        standing: how far its run is.
+    """
+    tally = standing.tally
     record: dict[str, Any] = {
-        "status": status,
-        "time": simulation.time,
+        "status": standing.status,
+        "time": standing.time,
         "duration": scene.time.duration,
-        "steps": simulation.steps,
+        "steps": standing.steps,
         "steps_in_all": scene.time.steps,
-        "steps_now": simulation.steps - begun_at,
+        "steps_now": standing.steps - standing.begun_at,
         "step": scene.time.step,
         "integrator": scene.time.integrator,
         "linear_solver": scene.solver.linear,
@@ -66,34 +76,35 @@ def summary_record(
         "cells": len(solid.cells),
         "dofs": solid.dof_count,
         "ranks": solid.comm.size,
-        "probes": {
-            probe.name: {
-                "point": list(probe.point),
-                "displacement": [_number(value) for value in displacement],
-                "largest": _number(peak),
-            }
-            for probe, displacement, peak in zip(scene.probes, probes, tally.peaks, strict=True)
-        },
+        "probes": _probes(scene, standing),
         "energies": {
-            "kinetic": _number(energies.kinetic),
-            "strain": _number(energies.strain),
-            "external": _number(energies.external),
-            "dissipated": _number(energies.dissipated),
+            name: _number(getattr(standing.energies, name))
+            for name in ("kinetic", "strain", "external", "dissipated")
         },
         "newton_iterations": tally.newton_iterations,
         "linear_iterations": tally.linear_iterations,
         "halvings": tally.halvings,
-        "critical_step": _number(critical_step),
-        "frames": frames,
-        "folder": folder,
-        "files": list(files),
+        "critical_step": _number(standing.critical_step),
+        "frames": standing.frames,
+        "folder": standing.folder,
+        "files": list(standing.files),
         "notes": list(solid.record.notes),
-        "seconds": dict(seconds),
+        "seconds": dict(standing.seconds),
         "version": __version__,
     }
-    if error is not None:
-        record["error"] = error
-    return record
+    return record if standing.error is None else {**record, "error": standing.error}
+
+
+def _probes(scene: Scene, standing: Standing) -> dict[str, Any]:
+    items = zip(scene.probes, standing.probes, standing.tally.peaks, strict=True)
+    return {
+        probe.name: {
+            "point": list(probe.point),
+            "displacement": [_number(value) for value in displacement],
+            "largest": _number(peak),
+        }
+        for probe, displacement, peak in items
+    }
 
 
 def _number(value: float) -> float | None:
