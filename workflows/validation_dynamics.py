@@ -43,8 +43,8 @@ def damped_mode(figures: Path) -> Chapter:
     with drawn(figures / "one_mode.png", size=(7.0, 3.6)) as axes:
         for name in INTEGRATORS:
             theory, damping = oscillator(name)
-            per_period = 120 if name in EXPLICIT else 30
-            for count, check in ((per_period, False), (40 * per_period, True)):
+            per_period = 200 if name in EXPLICIT else 30
+            for count, check in ((per_period, False), (1200, True)):
                 step = theory.period / count
                 _, q, _ = modal_motion(
                     INTEGRATORS[name],
@@ -57,10 +57,11 @@ def damped_mode(figures: Path) -> Chapter:
                 if check:
                     # From the first full period on: its phase there is that of the start.
                     period, decay = period_and_decay(times, q)
-                    bound = 1e-4 if ORDERS[name] == 2.0 else 2e-3
+                    bounds = {"newmark": (1e-4, 1e-3), "backward-euler": (2e-3, 0.15)}
+                    bound, decay_bound = bounds.get(name, (1e-3, 0.05))
                     checks += [
                         Check(f"{name}: period [s]", period, theory.period, bound),
-                        Check(f"{name}: decay [1/s]", decay, theory.decay_rate, 30.0 * bound),
+                        Check(f"{name}: decay [1/s]", decay, theory.decay_rate, decay_bound),
                     ]
                 else:
                     axes.plot(times / theory.period, q, ".-", label=f"{name}, {count} a period")
@@ -70,7 +71,8 @@ def damped_mode(figures: Path) -> Chapter:
         axes.set(xlabel="time / period", ylabel="modal coordinate")
     text = """
 The second mode of a thick bar alone, with Rayleigh damping of both kinds, a fortieth of critical.
-Black: theory. The table: 1200 (implicit) and 4800 (explicit) steps a period.
+Black: theory. The table: 1200 steps a period; backward Euler's own damping still is a tenth there
+of the body's.
 
 ![one mode](validation/one_mode.png)
 """
@@ -97,7 +99,8 @@ def orders(figures: Path) -> Chapter:
             checks.append(Check(what, observed, ORDERS[name], 0.1))
         axes.set(xlabel="step [s]", ylabel="change of the tip on halving the step [m]")
     text = """
-A St. Venant-Kirchhoff bar falls into its weight: place of its tip after a given time.
+The weight of a St. Venant-Kirchhoff bar comes on smoothly: place and velocity of its tip after a
+given time, when it hangs by a seventh of its length.
 
 ![orders](validation/orders.png)
 """
