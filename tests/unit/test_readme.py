@@ -42,6 +42,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     home = tmp_path_factory.mktemp("readme")
     (home / "demo").mkdir()
     write(tuning_fork, home / "demo" / "tuning_fork.msh", size=4e-3)
+    (home / "scenes").symlink_to(ROOT / "scenes")
     return home
 
 
