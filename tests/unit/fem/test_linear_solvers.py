@@ -227,9 +227,11 @@ def test_what_is_not_finite_is_refused(kind: Kind) -> None:
 def test_a_node_without_stiffness_is_told() -> None:
     solid = clamped()
     matrix = solid.assembly.empty_matrix()
-    with closing(linear_solver("pcg-jacobi", solid.assembly)) as solver:
-        with pytest.raises(SolverError, match="a node has no stiffness"):
-            solver.prepare(matrix)
+    with (
+        closing(linear_solver("pcg-jacobi", solid.assembly)) as solver,
+        pytest.raises(SolverError, match="a node has no stiffness"),
+    ):
+        solver.prepare(matrix)
     matrix.destroy()
 
 
