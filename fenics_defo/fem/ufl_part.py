@@ -12,7 +12,7 @@ from fenics_defo.fem.cell_kernels import add_kernel
 from fenics_defo.fem.cell_points import BATCH, cell_points
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.forms import EnergyForms
-from fenics_defo.fem.jit import compiled, compiled_at_points
+from fenics_defo.fem.jit import compiled, compiled_at_points, differentiated
 
 Array = NDArray[np.float64]
 _CELL = dolfinx.fem.IntegralType.cell
@@ -88,6 +88,7 @@ class _LawTangent:
         self._cells = cells[cells < space.mesh.topology.index_map(3).size_local]
         quadrature = cell_points(space, self._cells, degree)
         self._loops = quadrature.loops
+        modulus = differentiated(modulus)
         if not extract_coefficients(modulus):
             # DOLFINx learns from a coefficient what mesh an expression belongs to.
             one = dolfinx.fem.Function(dolfinx.fem.functionspace(space.mesh, ("DG", 0)))
