@@ -164,11 +164,8 @@ class ImplicitStep:
         system, part = self._system, self._rule.velocity_part
         if u is self._start.displacement and part is not None and self._rates is None:
             return part * system.forces(self._start).damping
-        damping = system.mass_damping(v)
-        beta = system.settings.damping[1]
-        if beta:
-            damping += beta * system.tangents.stiffness_times(v)
-        return damping
+        damping, beta = system.mass_damping(v), system.settings.damping[1]
+        return damping + beta * system.tangents.stiffness_times(v) if beta else damping
 
     def _squares(self, *fields: Array) -> Array:
         own = np.array([np.vdot(field, field) for field in fields])
