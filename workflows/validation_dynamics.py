@@ -147,7 +147,8 @@ the energy of all but backward Euler is bounded without drift.
 
 def swinging_bar(figures: Path) -> Chapter:
     """Turek and Hron's CSM3."""
-    times, x, y = bar.swing(cells=35, layers=2, step=0.005, duration=1.9)
+    times, x, y = bar.swing(cells=17, layers=1, step=0.02, duration=10.0)
+    late = times > 8.0
     with drawn(figures / "swinging_bar.png", size=(7.0, 3.6)) as axes:
         axes.plot(times, y, label="uy of A")
         axes.plot(times, x, label="ux of A")
@@ -156,17 +157,20 @@ def swinging_bar(figures: Path) -> Chapter:
         axes.set(xlabel="time [s]", ylabel="displacement [mm]")
     checks = []
     for name, values, (mean, amplitude) in (("x", x, bar.CSM3_X), ("y", y, bar.CSM3_Y)):
-        middle, half = 0.5 * (values.max() + values.min()), 0.5 * np.ptp(values)
+        middle = 0.5 * (values[late].max() + values[late].min())
+        half = 0.5 * np.ptp(values[late])
         checks += [
             Check(f"CSM3: mean of u{name} [mm]", float(middle), mean, 0.02),
             Check(f"CSM3: amplitude of u{name} [mm]", float(half), amplitude, 0.02),
         ]
-    checks.append(Check("CSM3: frequency [Hz]", bar.frequency(times, y), bar.CSM3_HERTZ, 0.01))
+    checks.append(
+        Check("CSM3: frequency [Hz]", bar.frequency(times[late], y[late]), bar.CSM3_HERTZ, 0.01)
+    )
     text = """
-The same bar released from its straight shape (CSM3), 35 x 2 second-order hexahedra, average
-acceleration with the step 0.005 s, Newton's iteration converged. Bands: mean and amplitude as
-published, which are those of the extreme values in one period late in the motion, when higher modes
-have another phase.
+The same bar released from its straight shape (CSM3): 17 x 1 second-order hexahedra, average
+acceleration with the step 0.02 s, Newton's iteration converged. As in the proposal, mean and
+amplitude are those of the extreme values late in the motion, here from 8 to 10 s; bands: as
+published.
 
 ![swinging bar](validation/swinging_bar.png)
 """

@@ -221,7 +221,7 @@ A neo-Hookean column that hangs from its end (nothing is singular: the error fal
 for hexahedra and tetrahedra alike, to one limit extrapolated from second-order hexahedra), and a
 clamped stub, 2.5 times as long as thick, that bends under its weight (the clamp's edges are
 singular; reference: second-order hexahedra of 8 x 4 x 4 cells). Order 1 is much too stiff in
-bending, tetrahedra more than twice as much as hexahedra; for the same number of unknowns order 2 is
+bending, tetrahedra about twice as much as hexahedra; for the same number of unknowns order 2 is
 better by one to three orders of magnitude.
 
 ![refinement](validation/refinement.png)

@@ -109,15 +109,16 @@ def tumble(name: str, *, step: float, duration: float) -> Motion:
 
 @each_integrator
 def test_energy_of_a_tumbling_body(name: str) -> None:
-    """No drift over some fifteen periods: bounded, or only falling with backward Euler."""
-    energies = tumble(name, step=0.004, duration=3.0).energies
+    """No drift: bounded over many periods of the lowest mode; or only falling (backward Euler)."""
+    explicit = name in EXPLICIT
+    energies = tumble(name, step=0.004 if explicit else 0.01, duration=3.0).energies
     total, strain = energies.kinetic + energies.strain, energies.strain[0]
     if name == "backward-euler":
         assert (np.diff(total) < 0.0).all()
         return
-    first, last = (np.mean(total[part]) for part in (slice(50, 250), slice(-200, None)))
-    assert abs(last - first) < 0.01 * strain
-    bound = {"newmark": 0.03, "central-differences": 0.01}.get(name, 0.3)
+    half = len(total) // 2
+    assert abs(total[half:].mean() - total[1 : half + 1].mean()) < 0.01 * strain
+    bound = {"newmark": 0.05, "central-differences": 0.01}.get(name, 0.3)
     assert np.abs(total - total[0]).max() < bound * strain
 
 
@@ -137,7 +138,7 @@ def test_slow_spin_is_rigid() -> None:
         solid,
         [],
         INTEGRATORS["newmark"],
-        step=turn / 200,
+        step=turn / 50,
         duration=turn,
         newton=None,
         initial=Initial(velocity=np.cross(spin, x)),

@@ -81,7 +81,7 @@ def test_uniaxial_tension(law: str, kind: str, order: int, stretch: float) -> No
 
 @each_law
 @each_space
-@pytest.mark.parametrize("stretch", [0.85, 1.3])
+@pytest.mark.parametrize("stretch", [1.3])
 def test_equibiaxial_tension(law: str, kind: str, order: int, stretch: float) -> None:
     solid = uneven(law, kind, order, ROLLERS)
     found = pulled(solid, stretch, "xy")

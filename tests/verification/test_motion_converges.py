@@ -76,7 +76,7 @@ def test_all_methods_tend_to_the_same_motion() -> None:
 def test_energies_balance(name: str) -> None:
     """kinetic + strain + dissipated - external is constant, but for the order of the method."""
     errors = []
-    for count in (80, 160):
+    for count in (60, 120):
         motion = simulate(
             bar(NeoHookean),
             [Gravity((0.0, 0.0, -1.5), history=Sine(1.2))],
@@ -88,7 +88,7 @@ def test_energies_balance(name: str) -> None:
         )
         size = np.abs(motion.energies.external).max()
         assert motion.energies.dissipated[-1] > 0.05 * size
-        assert (np.diff(motion.energies.dissipated) >= 0.0).all()
+        assert (np.diff(motion.energies.dissipated) > -1e-12 * size).all()
         errors.append(np.abs(motion.energies.balance - motion.energies.balance[0]).max() / size)
     assert errors[1] < 0.05
     # The explicit methods take the velocity of stiffness damping from half a step before.

@@ -37,11 +37,11 @@ METHODS = {
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
 @pytest.mark.parametrize("damping", [(0.0, 0.0), (0.4, 0.003)])
-@pytest.mark.parametrize("phase", [0.1, 1.0, 30.0])
+@pytest.mark.parametrize("phase", [0.2, 30.0])
 def test_implicit_recurrence(
     method: ImplicitNewmark | BackwardEuler, damping: tuple[float, float], phase: float
 ) -> None:
-    """To round-off, from a tenth of a radian a step to five periods a step."""
+    """To round-off, from a fifth of a radian a step to five periods a step."""
     omega = one_mode(bar(), 2, lumped=False).omega
     h, c = phase / omega, damping[0] + damping[1] * omega**2
     _, q, v = modal_motion(method, number=2, step=h, count=12, damping=damping, velocity=3.0)
@@ -118,5 +118,5 @@ def test_period_without_damping(name: str) -> None:
         _, q, _ = modal_motion(INTEGRATORS[name], number=1, step=time / count, count=count)
         return abs(float(q[-1] - np.cos(mode.omega * time)))
 
-    counts = (160, 320) if name in EXPLICIT else (40, 80)
+    counts = (160, 320) if name in EXPLICIT else (20, 40)
     assert halving(error, counts)[-1] == pytest.approx(ORDERS[name], abs=0.15)

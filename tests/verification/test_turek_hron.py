@@ -74,8 +74,8 @@ def frequency(times: Array, y: Array) -> float:
 
 
 def test_swinging_bar() -> None:
-    """CSM3 on a coarse mesh."""
-    times, x, y = swing(cells=17, layers=1, step=0.01, duration=1.9)
+    """CSM3 on a coarse mesh with large steps."""
+    times, x, y = swing(cells=12, layers=1, step=0.02, duration=1.9)
     for values, (mean, amplitude) in ((x, CSM3_X), (y, CSM3_Y)):
         assert 0.5 * (values.min() + values.max()) == pytest.approx(mean, rel=0.03)
         assert 0.5 * np.ptp(values) == pytest.approx(amplitude, rel=0.03)
