@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.energy import MassSpring, Material, PointLaw, formula
+from fenics_defo.energy import Law, MassSpring, Material, PointLaw, formula
 from fenics_defo.errors import MaterialError
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.imported import MeshData, mesh_record
 from fenics_defo.fem.input_order import cell_rows
 from fenics_defo.fem.regions import describe_groups, select_entities
 
-type Law = Material | PointLaw | MassSpring
 type Materials = Law | Mapping[str | int | None, Law]
 _LAWS = (Material, PointLaw, MassSpring)
 
