@@ -147,10 +147,7 @@ class ImplicitStep:
             v[at], a[at] = self._rates
         internal = system.internal_force(u)
         external = system.external_force(self._time, u)
-        damping = system.mass_damping(v)
-        beta = system.settings.damping[1]
-        if beta:
-            damping += beta * system.tangents.stiffness_times(v)
+        damping = self._damping(u, v)
         residual = damping + internal
         residual -= external
         inertia = system.mass.apply(a) if rule.acceleration_rate > 0.0 else None
@@ -162,6 +159,13 @@ class ImplicitStep:
         return _Balance(
             v, a, internal, external, damping, residual, float(size), float(np.max(norms))
         )
+
+    def _damping(self, u: Array, v: Array) -> Array:
+        system, part = self._system, self._rule.velocity_part
+        if u is self._start.displacement and part is not None and self._rates is None:
+            return part * system.forces(self._start).damping
+        damping, beta = system.mass_damping(v), system.settings.damping[1]
+        return damping + beta * system.tangents.stiffness_times(v) if beta else damping
 
     def _squares(self, *fields: Array) -> Array:
         own = np.array([np.vdot(field, field) for field in fields])
