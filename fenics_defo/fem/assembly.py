@@ -180,11 +180,9 @@ class Assembly:
         return self._blocks.diagonal_blocks(matrix)
 
     def level_held_rows(self, matrix: PETSc.Mat) -> None:
-        """Give held rows of a matrix from `empty_matrix` a diagonal like the others'; collective."""
-        diagonal, held = (
-            self.diagonal_blocks(matrix)[:, range(3), range(3)],
-            self._held[: self.owned],
-        )
+        """Give held rows of a matrix from `empty_matrix` a diagonal of the others' size."""
+        diagonal = self.diagonal_blocks(matrix)[:, range(3), range(3)]
+        held = self._held[: self.owned]
         total, count = float(diagonal[~held].sum()), int((~held).sum())
         mean = self.comm.allreduce(total) / max(self.comm.allreduce(count), 1)
         self._blocks.set_diagonal(matrix, self._held, mean)

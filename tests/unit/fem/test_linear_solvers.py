@@ -217,7 +217,7 @@ def test_what_is_not_finite_is_refused(kind: Kind) -> None:
     local[-1] = np.nan
     with closing(linear_solver(kind, solid.assembly)) as solver, stiffness(solid) as matrix:
         solid.assembly.fill_tangent(matrix, local)
-        with pytest.raises(SolverError, match="finite|NaN"):
+        with pytest.raises(SolverError, match=r"finite|NaN"):
             solver.prepare(matrix)
         solid.assembly.fill_tangent(matrix, solid.nodes.scatter(bend(solid)))
         solver.prepare(matrix)  # it has not broken
