@@ -63,7 +63,7 @@ def test_error_falls_with_twice_the_order(kind: str, order: int) -> None:
 
 
 def test_hexahedra_against_tetrahedra_in_bending() -> None:
-    """Order 1 is too stiff in bending, tetrahedra by far; order 2 on half as many cells is not."""
+    """Order 1 is too stiff in bending, tetrahedra by far; order 2 on coarser cells is not."""
     limit = limit_of_sag("stub")
     assert limit > 0.05 * SIZE[0]
 
@@ -78,7 +78,7 @@ def test_hexahedra_against_tetrahedra_in_bending() -> None:
     assert (np.diff(hexahedra) < 0.0).all()
     assert (tetrahedra > 1.5 * hexahedra).all()
     assert tetrahedra[0] > 0.4
-    assert hexahedra[2] < 0.05
+    assert hexahedra[2] < 0.07
     for kind in ("tetrahedron", "hexahedron"):
         assert 0.0 < stiffer(kind, 2, 2) < hexahedra[2]
 
