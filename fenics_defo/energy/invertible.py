@@ -16,6 +16,9 @@ from fenics_defo.runtime.laws import PointResponse, invertible
 
 type Array = NDArray[np.float64]
 
+#: Principal stretch below which a law is continued if nothing else is said.
+THRESHOLD = 0.1
+
 _Tangent = Literal["definite", "exact"]
 
 # Energies made ready for evaluation, one for all materials of the same formula.
@@ -25,6 +28,17 @@ _COMPILED: dict[Hashable, StretchEnergy] = {}
 @dataclass(frozen=True, slots=True)
 class Invertible:
     """An isotropic law whose stress is continued linearly below a threshold of the stretches.
+
+    Above the threshold it is the law itself, with whatever that lacks. St. Venant-Kirchhoff loses
+    its stiffness in compression: along one axis its force has its limit at the stretch 1/√3, and
+    at the threshold 0.1 it resists with a quarter of that. A threshold of 0.6 leaves its weak range
+    out. Neo-Hookean and Mooney-Rivlin stiffen without bound towards 0: a threshold under 0.1 makes
+    inverted cells stiffer than anything else and steps of Newton short. All of them have an
+    indefinite tangent in compression, where thin shapes buckle; the definite one then keeps
+    Newton's steps descents, and slows it down near the end.
+
+    Below the threshold the stiffness across is a constant of the law, see
+    `fenics_defo.runtime.laws.continuation.continued`.
 
     Args:
         material: any law with an energy of the invariants: StVenantKirchhoff, NeoHookean,
@@ -39,7 +53,7 @@ class Invertible:
     """
 
     material: IsotropicMaterial
-    threshold: float = 0.1
+    threshold: float = THRESHOLD
     tangent: _Tangent = "definite"
     _formula: Hashable = field(init=False, repr=False, compare=False)
     _energy: StretchEnergy = field(init=False, repr=False, compare=False)
@@ -51,11 +65,7 @@ class Invertible:
                 f"{type(self.material).__name__} does not have; use StVenantKirchhoff, NeoHookean, "
                 "MooneyRivlin or IsotropicEnergy (or Corotational, which stands inversion itself)"
             )
-        allowed = "be a number between 0 and 1 (0.1 is usual)"
-        threshold = within("threshold", self.threshold, low=0.0, high=1.0, allowed=allowed)
-        if not isinstance(threshold, float):
-            raise MaterialError(f"threshold must {allowed}, got a field of {len(threshold)} values")
-        object.__setattr__(self, "threshold", threshold)
+        object.__setattr__(self, "threshold", check_threshold(self.threshold))
         if self.tangent not in get_args(_Tangent):
             raise MaterialError(
                 f'tangent must be "definite" or "exact", got {self.tangent!r}; '
@@ -108,3 +118,16 @@ class Invertible:
             definite=self.tangent == "definite",
             out=out,
         )
+
+
+def check_threshold(value: object) -> float:
+    """``value`` as a threshold of the principal stretches.
+
+    Raises:
+        MaterialError: it is not a number between 0 and 1.
+    """
+    allowed = "be a number between 0 and 1 (0.1 is usual)"
+    threshold = within("threshold", value, low=0.0, high=1.0, allowed=allowed)
+    if not isinstance(threshold, float):
+        raise MaterialError(f"threshold must {allowed}, got a field of {len(threshold)} values")
+    return threshold
