@@ -4,7 +4,10 @@ import platform
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import ufl
+from numpy.typing import NDArray
+from ufl.core.expr import Expr
 
 from fenics_defo.fem.compat import dolfinx
 
@@ -42,4 +45,13 @@ def architecture() -> tuple[str, ...]:
 
 def compiled(form: ufl.Form) -> "dolfinx.fem.Form":
     """A form compiled, or found in DOLFINx's cache; collective."""
-    return dolfinx.fem.form(form, jit_options={"cffi_extra_compile_args": list(compiler_flags())})
+    return dolfinx.fem.form(form, jit_options=_options())
+
+
+def compiled_at_points(expression: Expr, points: NDArray[np.float64]) -> "dolfinx.fem.Expression":
+    """An expression at points (q, 3) of the reference cell, compiled or found; collective."""
+    return dolfinx.fem.Expression(expression, points, jit_options=_options())
+
+
+def _options() -> dict[str, object]:
+    return {"cffi_extra_compile_args": list(compiler_flags())}

@@ -240,7 +240,7 @@ def test_nothing_is_compiled_twice(monkeypatch: pytest.MonkeyPatch) -> None:
 
     first = fem.Solid(mesh_of(mesh), NEO)
     use(first)
-    assert len(calls) == 5  # energy, force, two tangents, mass
+    assert len(calls) == 6  # energy, force, two tangents, mass, the pattern
     use(first)
     assert len(calls) == 5
     compilations.clear()
