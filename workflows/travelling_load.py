@@ -23,8 +23,8 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+import common
 import numpy as np
-import story
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
@@ -126,9 +126,9 @@ def axle(x: float, history: Any = None) -> list[analysis.PointLoad]:
 
 def main(argv: list[str] | None = None) -> int:
     """Simulate, compare, print and draw."""
-    options = story.parser(__doc__, "travelling_load").parse_args(argv)
+    options = common.parser(__doc__, "travelling_load").parse_args(argv)
     size = QUICK if options.quick else FULL
-    solid = fem.Solid(story.drawn(bridge, size=size.mesh), PLASTIC, fixed=["abutments"])
+    solid = fem.Solid(common.drawn(bridge, size=size.mesh), PLASTIC, fixed=["abutments"])
     x = np.linspace(-0.5 * DECK_LENGTH, 0.5 * DECK_LENGTH, size.places)
     line = influence_line(solid, x)
     results = {
@@ -137,7 +137,7 @@ def main(argv: list[str] | None = None) -> int:
         **fast(solid, x, line, size),
     }
     text, figure = report(results, solid, size), draw(results, x, line)
-    story.tell(options.output, "travelling_load", text, figure)
+    common.tell(options.output, "travelling_load", text, figure)
     check(results, quick=options.quick)
     return 0
 
@@ -309,7 +309,7 @@ def report(results: dict[str, Any], solid: fem.Solid, size: Size) -> str:
     }
     return (
         "# A train crosses a bridge\n\n"
-        + story.table(("what", "figure"), list(rows.items()))
+        + common.table(("what", "figure"), list(rows.items()))
         + "\nDifferences are relative to the largest deflection. Made by "
         + "`workflows/travelling_load.py`.\n\n"
         + "![Deflection of the crown](travelling_load.png)\n"
@@ -318,7 +318,7 @@ def report(results: dict[str, Any], solid: fem.Solid, size: Size) -> str:
 
 def draw(results: dict[str, Any], x: Array, line: Array) -> Any:
     """Deflection under the slow axle against its place, and under the train against time."""
-    figure, (left, right) = story.new_figure(1, 2, figsize=(10.0, 3.8))
+    figure, (left, right) = common.new_figure(1, 2, figsize=(10.0, 3.8))
     left.plot(x - x[0], 1e3 * line, "k-", label="line of influence")
     left.plot(results["slow x"], 1e3 * results["slow"], "o", ms=3, label="slow axle")
     left.set(xlabel="place of the axle [m]", ylabel="deflection of the crown [mm]")
