@@ -4,6 +4,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from ufl.algorithms import extract_coefficients
 from ufl.core.expr import Expr
 
 from fenics_defo.fem.block_matrix import BlockMatrix
@@ -11,7 +12,7 @@ from fenics_defo.fem.cell_kernels import add_kernel
 from fenics_defo.fem.cell_points import BATCH, cell_points
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.forms import EnergyForms
-from fenics_defo.fem.jit import compiled, compiled_at_points
+from fenics_defo.fem.jit import compiled, compiled_at_points, differentiated
 
 Array = NDArray[np.float64]
 _CELL = dolfinx.fem.IntegralType.cell
@@ -87,6 +88,12 @@ class _LawTangent:
         self._cells = cells[cells < space.mesh.topology.index_map(3).size_local]
         quadrature = cell_points(space, self._cells, degree)
         self._loops = quadrature.loops
+        modulus = differentiated(modulus)
+        if not extract_coefficients(modulus):
+            # DOLFINx learns from a coefficient what mesh an expression belongs to.
+            one = dolfinx.fem.Function(dolfinx.fem.functionspace(space.mesh, ("DG", 0)))
+            one.x.array[:] = 1.0
+            modulus = one * modulus
         self._modulus = compiled_at_points(modulus, quadrature.points)
         count = len(quadrature.points)
         self._batch = max(BATCH // count, 1)
