@@ -292,7 +292,7 @@ def processor() -> str:
 
 def draw(rows: list[Row], size: str) -> Any:
     """Phases by model at one size, and the step against the dofs with its floor."""
-    figure, (left, right) = common.new_figure(1, 2, figsize=(11.0, 4.2))
+    figure, (left, right) = common.new_figure(1, 2, (11.0, 4.2))
     chosen = find(rows, size=size, solver="pcg-jacobi", ranks=1)
     models = [row["model"] for row in chosen]
     bottom = np.zeros(len(chosen))

@@ -69,14 +69,12 @@ def tell(folder: Path, name: str, text: str, figure: Any) -> None:
     figure.savefig(folder / f"{name}.png", dpi=150)
 
 
-def new_figure(rows: int, columns: int, **options: Any) -> tuple[Any, Any]:
-    """A figure without a window and its axes."""
-    import matplotlib
+def new_figure(rows: int, columns: int, size: tuple[float, float]) -> tuple[Any, Any]:
+    """A figure of a size [in] without a window, and its axes."""
+    from matplotlib.figure import Figure  # draws with Agg
 
-    matplotlib.use("agg")
-    import matplotlib.pyplot as plt
-
-    return plt.subplots(rows, columns, layout="constrained", **options)
+    figure = Figure(figsize=size, layout="constrained")
+    return figure, figure.subplots(rows, columns)
 
 
 def exponent(sizes: Sequence[float], values: Sequence[float]) -> float:

@@ -199,7 +199,7 @@ def surface(cells: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def draw(falls: dict[str, Fall], solid: fem.Solid) -> Any:
     """The scrambled body at a few times; least det F and volume of all."""
-    figure, grid = common.new_figure(2, len(SHOWN), figsize=(11.0, 5.6))
+    figure, grid = common.new_figure(2, len(SHOWN), (11.0, 5.6))
     faces, seen = surface(solid.cells), falls["scrambled"]
     for i, step in enumerate(SHOWN):
         grid[0, i].remove()

@@ -129,7 +129,7 @@ def report(runs: dict[str, list[Measured]], cells: tuple[int, int, int], steps: 
 
 def draw(runs: dict[str, list[Measured]]) -> Any:
     """Time and iterations against Young's modulus."""
-    figure, (left, right) = common.new_figure(1, 2, figsize=(9.0, 3.8))
+    figure, (left, right) = common.new_figure(1, 2, (9.0, 3.8))
     for solver, style in zip(SOLVERS, ("ko-", "s-", "^-"), strict=True):
         left.loglog(YOUNG, [run.milliseconds for run in runs[solver]], style, label=solver)
         right.loglog(YOUNG, [run.iterations for run in runs[solver]], style, label=solver)

@@ -318,7 +318,7 @@ def report(results: dict[str, Any], solid: fem.Solid, size: Size) -> str:
 
 def draw(results: dict[str, Any], x: Array, line: Array) -> Any:
     """Deflection under the slow axle against its place, and under the train against time."""
-    figure, (left, right) = common.new_figure(1, 2, figsize=(10.0, 3.8))
+    figure, (left, right) = common.new_figure(1, 2, (10.0, 3.8))
     left.plot(x - x[0], 1e3 * line, "k-", label="line of influence")
     left.plot(results["slow x"], 1e3 * results["slow"], "o", ms=3, label="slow axle")
     left.set(xlabel="place of the axle [m]", ylabel="deflection of the crown [mm]")
