@@ -86,7 +86,7 @@ def main(argv: list[str] | None = None) -> int:
     rows = []
     for size, cells in sizes.items():
         job = {"size": size, "cells": cells, "models": models, "solvers": SOLVERS, "young": 1e6}
-        for ranks in options.ranks[:1] if size == "0.2k" else options.ranks:
+        for ranks in [1] if size == "0.2k" else sorted({1, *options.ranks}):
             rows += in_own_process(ranks, **job)
     beam = [] if options.quick else beam_rows()
     common.tell(
