@@ -138,6 +138,10 @@ class ImplicitStep:
 
     def _balance(self, u: Array) -> _Balance:
         """Motion and forces at ``u``; β K v with the tangent as it is filled."""
+        with self._system.phases("residual"):
+            return self._forces_at(u)
+
+    def _forces_at(self, u: Array) -> _Balance:
         system, rule = self._system, self._rule
         change = u - self._start.displacement
         v = rule.velocity + rule.velocity_rate * change
@@ -203,13 +207,15 @@ class ImplicitStep:
         local = system.local(u) if follows else u
         system.newton_iterations += 1
         try:
-            system.tangents.prepare(scale, mass_scale, system.loads, self._time, local)
-            if follows and system.settings.newton.iterations is None:
-                direction, iterations = system.tangents.solve_unsymmetric(
-                    right_side, system.loads, self._time, local
-                )
-            else:
-                direction, iterations = system.tangents.solve(right_side)
+            with system.phases("factorise"):
+                system.tangents.prepare(scale, mass_scale, system.loads, self._time, local)
+            with system.phases("solve"):
+                if follows and system.settings.newton.iterations is None:
+                    direction, iterations = system.tangents.solve_unsymmetric(
+                        right_side, system.loads, self._time, local
+                    )
+                else:
+                    direction, iterations = system.tangents.solve(right_side)
         except SolverError as error:
             raise StepFailure(str(error)) from error
         system.linear_iterations += iterations

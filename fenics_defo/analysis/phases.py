@@ -10,6 +10,9 @@ from dataclasses import dataclass, field
 class Phases:
     """A stopwatch with named phases; a phase entered again adds to its time.
 
+    A phase within another stops the clock of the outer one: the times add up to no more than what
+    went by.
+
     Args:
         on_start: called with the name of each phase as it begins.
         seconds: wall-clock time by phase [s], in the order of first entry.
@@ -17,14 +20,19 @@ class Phases:
 
     on_start: Callable[[str], None] | None = None
     seconds: dict[str, float] = field(default_factory=dict)
+    _inner: float = field(default=0.0, init=False, repr=False, compare=False)
 
     @contextmanager
     def __call__(self, name: str) -> Iterator[None]:
         """Time the body of a ``with`` statement as the phase ``name``."""
         if self.on_start is not None:
             self.on_start(name)
+        self.seconds.setdefault(name, 0.0)
+        outer, self._inner = self._inner, 0.0
         begin = time.perf_counter()
         try:
             yield
         finally:
-            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
+            passed = time.perf_counter() - begin
+            self.seconds[name] += passed - self._inner
+            self._inner = outer + passed

@@ -14,6 +14,7 @@ from fenics_defo.analysis.instant import Forces, Instant, StepFailure
 from fenics_defo.analysis.integrators.integrator import Integrator
 from fenics_defo.analysis.integrators.quasi_static import QuasiStatic
 from fenics_defo.analysis.loads import Load
+from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.prescribed import Prescribed
 from fenics_defo.analysis.probes import Probes
 from fenics_defo.analysis.requests import check_request
@@ -58,6 +59,9 @@ class Simulation:
         probes: points at rest [m] by name; `probe` gives their displacements.
         max_halvings: how often a failed step may be halved.
         allow_unstable: go on where an explicit method's step is beyond its limit.
+        phases: stopwatch of "tangent" (with the force there), "residual" (forces alone, and the
+            products with mass and damping), "factorise" (or what prepares conjugate
+            gradients) and "solve".
 
     Raises:
         LoadError: loads or prescribed motions that this body cannot take.
@@ -84,6 +88,7 @@ class Simulation:
         probes: Mapping[str, ArrayLike] | None = None,
         max_halvings: int = 6,
         allow_unstable: bool = False,
+        phases: Phases | None = None,
     ) -> None:
         newton_settings = NewtonSettings(newton, newton_tolerance, newton_iterations)
         check_request(integrator, step, damping, newton_settings, max_halvings)
@@ -99,7 +104,7 @@ class Simulation:
         self.step = float(step)
         self._halvings = max_halvings
         self._allow_unstable = allow_unstable
-        self._system = System(solid, loads, prescribed, settings)
+        self._system = System(solid, loads, prescribed, settings, phases=phases)
         if isinstance(integrator, QuasiStatic):
             check_supported(solid, self._system.constraints.bound)
         self._probes = Probes(solid, probes or {})

@@ -13,6 +13,7 @@ from fenics_defo.analysis.implicit_step import ImplicitStep, NewtonSettings
 from fenics_defo.analysis.inertia_operators import ConsistentMassOperator, LumpedMass, Mass
 from fenics_defo.analysis.instant import Forces, Instant, Rule, StepFailure
 from fenics_defo.analysis.loads import Load
+from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.prescribed import Prescribed
 from fenics_defo.analysis.tangents import Tangents
 from fenics_defo.fem import Solid
@@ -56,6 +57,7 @@ class System:
         loads: what acts on it.
         prescribed: prescribed motions.
         settings: how the equations are solved.
+        phases: stopwatch of "residual", "tangent", "factorise" and "solve".
 
     Raises:
         LoadError: loads or prescribed motions that this body cannot take.
@@ -68,9 +70,12 @@ class System:
         loads: Sequence[Load],
         prescribed: Sequence[Prescribed],
         settings: SystemSettings,
+        *,
+        phases: Phases | None = None,
     ) -> None:
         self.solid = solid
         self.settings = settings
+        self.phases = phases or Phases()
         self.comm = solid.comm
         self.owned = solid.nodes.owned
         self.constraints = Constraints(solid, prescribed)
@@ -134,7 +139,8 @@ class System:
     def internal_force(self, displacement: Array) -> Array:
         """f(u), reactions included."""
         if self._internal is None or self._internal[0] is not displacement:
-            force = self.solid.assembly.force(self.local(displacement))[: self.owned]
+            with self.phases("residual"):
+                force = self.solid.assembly.force(self.local(displacement))[: self.owned]
             self._internal = (displacement, force)
         return self._internal[1]
 
@@ -151,7 +157,8 @@ class System:
     def linearise(self, displacement: Array) -> Array:
         """Internal force f(u), with the tangent filled there; laws at points give both at once."""
         if self.tangents.filled_at is not displacement:
-            force = self.tangents.fill(displacement, self.local(displacement))[: self.owned]
+            with self.phases("tangent"):
+                force = self.tangents.fill(displacement, self.local(displacement))[: self.owned]
             self._internal = (displacement, force)
         return self.internal_force(displacement)
 

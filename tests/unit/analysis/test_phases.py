@@ -34,3 +34,16 @@ def test_the_start_of_each_phase_is_announced():
         with phases("b"):
             pass
     assert announced == ["a", "b"]
+
+
+def test_a_phase_within_another_stops_its_clock() -> None:
+    phases = Phases()
+    begin = time.perf_counter()
+    with phases("outer"):
+        time.sleep(0.02)
+        with phases("inner"), phases("inner"):
+            time.sleep(0.05)
+    passed = time.perf_counter() - begin
+    assert phases.seconds["inner"] >= 0.05
+    assert phases.seconds["outer"] >= 0.02
+    assert sum(phases.seconds.values()) <= passed
