@@ -89,7 +89,8 @@ def block_davidson(
             of M.
         roughest: largest relative error of the preconditioner, (T b)ᵀ K (T b) against bᵀ T b for
             random b, that is tolerated.
-        basis_limit: vectors kept before a restart; ``max(4 count, count + 15 b)`` if not given.
+        basis_limit: vectors kept before a restart; ``count + guard + max(count, 15 b)``
+            if not given.
         max_restarts: number of restarts before giving up.
 
     Returns:
@@ -102,7 +103,7 @@ def block_davidson(
     start = random()
     width = start.shape[1]
     sought = min(count + guard, independent)
-    limit = basis_limit or max(4 * count, count + guard + 15 * width)
+    limit = basis_limit or count + guard + max(count, 15 * width)
     space = _Space(len(start), limit + sought + width, stiffness, mass, comm)
     tolerances = np.where(np.arange(sought) < count, tolerance, _GUARD_TOLERANCE)
     solves, restarts, before = width, 0, np.zeros(0)
@@ -177,12 +178,12 @@ class _Space:
         self.projected = np.zeros((0, 0))
 
     def combine(self, coefficients: Array) -> Array:
-        return np.asfortranarray(self._vectors[:, : self.size] @ coefficients)
+        return _combined(self._vectors[:, : self.size], coefficients)
 
     def residuals(self, values: Array, inner: Array) -> tuple[Array, Array]:
         """Ritz vectors X and K X - M X θ."""
         vectors = self.combine(inner)
-        forces = self._images[:, : self.size] @ inner
+        forces = _combined(self._images[:, : self.size], inner)
         forces -= self._mass(vectors) * values
         return vectors, forces
 
@@ -198,7 +199,7 @@ class _Space:
         along = np.zeros((size, block.shape[1]))
         for _ in range(2 if size else 0):
             step = self.sum(vectors.T @ product)
-            block = block - vectors @ step
+            block = block - _combined(vectors, step)
             along += step
             product = self._mass(block)
             rest = self.sum(np.einsum("ij,ij->j", block, product))
@@ -237,14 +238,14 @@ class _Space:
             keep = values > 1e-14 * len(values)
             root = np.sqrt(values[keep])
             turn = vectors[:, keep] / scale[:, None] / root
-            block, product = block @ turn, product @ turn
+            block, product = _combined(block, turn), _combined(product, turn)
             total = (root[:, None] * vectors[:, keep].T * scale) @ total
-        return np.asfortranarray(block), total
+        return block, total
 
     def restart(self, values: Array, inner: Array, keep: int) -> None:
         """Replace the basis by its first Ritz vectors."""
         for table in (self._vectors, self._images):
-            table[:, :keep] = table[:, : self.size] @ inner[:, :keep]
+            table[:, :keep] = _combined(table[:, : self.size], inner[:, :keep])
         self.size = keep
         self.projected = np.diag(values[:keep])
 
@@ -252,3 +253,8 @@ class _Space:
         local = np.ascontiguousarray(local)
         self._comm.Allreduce(MPI.IN_PLACE, local, op=MPI.SUM)
         return local
+
+
+def _combined(columns: Array, coefficients: Array) -> Array:
+    """``columns @ coefficients`` in Fortran order, twice as fast as NumPy's own order of it."""
+    return (coefficients.T @ columns.T).T

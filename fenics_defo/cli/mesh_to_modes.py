@@ -65,6 +65,12 @@ def _add_body(parser: Parser) -> None:
         "--size", type=number, metavar="H", help="edge length [m] of those tetrahedra"
     )
     body.add_argument(
+        "--unit",
+        choices=("m", "cm", "mm", "um", "in", "ft"),
+        default="m",
+        help="unit of the file's coordinates (default: m); CAD programs often write mm",
+    )
+    body.add_argument(
         "--merge", type=number, metavar="TOL", help="make nodes closer than this [m] one node"
     )
     body.add_argument(

@@ -54,7 +54,9 @@ def _compute(options: Namespace, ranks: Ranks, progress: Progress, phases: Phase
     with phases("check"):
         ranks.on_first(lambda: _check_outputs(options))
     with phases("read"):
-        mesh = fem.read_mesh(options.mesh, size=options.size, merge=options.merge)
+        mesh = fem.read_mesh(
+            options.mesh, size=options.size, merge=options.merge, unit=options.unit
+        )
     materials = settled_materials(given, mesh.record.materials)
     if not fixed and not options.free:
         progress.note("no --fixed: the body is free to move as a whole")

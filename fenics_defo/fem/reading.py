@@ -22,6 +22,7 @@ def read_mesh(
     *,
     size: float | None = None,
     merge: float | None = None,
+    unit: str = "m",
     comm: MPI.Comm = MPI.COMM_WORLD,
 ) -> ImportedMesh:
     """Read a mesh of tetrahedra or hexahedra, order 1 or 2, or fill a surface or CAD body.
@@ -36,6 +37,8 @@ def read_mesh(
         size: edge length [m] of the tetrahedra that fill a surface or CAD body.
         merge: merge nodes that lie closer than this [m]; a seam of duplicate nodes is only reported
             if not given.
+        unit: unit of the file's coordinates: "m", "cm", "mm", "um", "in" or "ft"; the mesh is in
+            metres.
         comm: communicator of the mesh.
 
     Returns:
@@ -44,7 +47,7 @@ def read_mesh(
     Raises:
         MeshError: the file cannot be read, or cannot carry a computation; on each rank.
     """
-    return _imported(comm, lambda: read_source(path, size=size, merge=merge))
+    return _imported(comm, lambda: read_source(path, size=size, merge=merge, unit=unit))
 
 
 def build_mesh(

@@ -48,8 +48,16 @@ CELL_TYPES = {
 }
 
 
+#: Length units that a file may be written in [m].
+LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}
+
+
 def read_source(
-    path: str | Path, *, size: float | None = None, merge: float | None = None
+    path: str | Path,
+    *,
+    size: float | None = None,
+    merge: float | None = None,
+    unit: str = "m",
 ) -> SourceMesh:
     """Read a mesh file, or fill a closed surface or a CAD solid with tetrahedra.
 
@@ -58,6 +66,7 @@ def read_source(
             .obj .ply and CAD solids .step .stp .iges .igs .brep, which need ``size``.
         size: edge length of the tetrahedra that fill a surface or solid [m].
         merge: distance [m] within which nodes are made one; None only notes coincident nodes.
+        unit: unit of the file's coordinates, a key of `LENGTH_UNITS`.
 
     Raises:
         MeshError: the file cannot be read, or its mesh cannot carry a computation.
@@ -66,8 +75,11 @@ def read_source(
     suffix = path.suffix.lower()
     _require_file(path)
     _require_positive(path, size=size, merge=merge)
+    if unit not in LENGTH_UNITS:
+        raise MeshError(f"{path}: unit is {unit!r}; allowed are {', '.join(LENGTH_UNITS)}")
+    metres = LENGTH_UNITS[unit]
     if suffix in FILLERS:
-        raw = FILLERS[suffix](path, size=size)
+        raw = FILLERS[suffix](path, size=None if size is None else size / metres)
     elif suffix in READERS:
         raw = READERS[suffix](path)
         if size is not None:
@@ -77,6 +89,8 @@ def read_source(
             f"{path}: {suffix or 'no suffix'} is not a known kind of mesh file; allowed are "
             f"{' '.join(READERS)} and, to be filled with tetrahedra, {' '.join(FILLERS)}"
         )
+    if metres != 1.0:
+        raw.points = raw.points * metres
     return checked(raw, merge=merge, path=path)
 
 

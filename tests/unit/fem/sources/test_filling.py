@@ -199,6 +199,13 @@ def test_a_box_of_cad_is_filled(tmp_path, suffix, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_box_of_cad_in_millimetres(tmp_path):
+    box = write_cad(tmp_path / "box.step", lambda occ: occ.addBox(0, 0, 0, 40, 20, 10))
+    mesh = read_source(box, size=0.005, unit="mm")
+    assert np.ptp(mesh.points, axis=0) == pytest.approx([0.04, 0.02, 0.01])
+    assert len(mesh.cells) == len(read_source(box, size=5.0).cells)
+
+
 @pytest.mark.parametrize("suffix", [".step", ".brep"])
 def test_solids_that_touch_share_nodes_and_are_groups(tmp_path, suffix):
     mesh = read_source(write_cad(tmp_path / f"two{suffix}", two_solids), size=0.4)

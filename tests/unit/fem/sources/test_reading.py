@@ -12,7 +12,7 @@ from source_bodies import body, tet_box, write_two_boxes
 
 from fenics_defo.errors import MeshError
 from fenics_defo.fem.sources import read_source
-from fenics_defo.fem.sources.reading import FILLERS, READERS
+from fenics_defo.fem.sources.reading import FILLERS, LENGTH_UNITS, READERS
 
 
 def refused(path, **options):
@@ -167,3 +167,17 @@ def test_files_cut_off_are_not_taken_for_whole(samples, share):
         if path.suffix in (".inp", ".xdmf") and share == 0.9:
             continue  # a deck may end after any line; the numbers of .xdmf are in another file
         refused(cut)
+
+
+@pytest.mark.parametrize("unit", [*LENGTH_UNITS])
+def test_a_files_unit_scales_its_points(tmp_path, unit):
+    points, cells = tet_box(2)
+    meshio.Mesh(points, [("tetra", cells)]).write(tmp_path / "box.vtu")
+    mesh = read_source(tmp_path / "box.vtu", unit=unit)
+    assert mesh.points == pytest.approx(LENGTH_UNITS[unit] * points, rel=1e-15)
+
+
+def test_an_unknown_unit_lists_the_known_ones(tmp_path):
+    (tmp_path / "box.msh").write_text("x")
+    text = refused(tmp_path / "box.msh", unit="km")
+    assert "unit is 'km'; allowed are m, cm, mm" in text
