@@ -6,7 +6,8 @@ axis for each free index in UFL's own order, ascending. Only the kinds of node l
 are known; there is no compiler.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -35,23 +36,80 @@ def evaluate(expression: Expr, values: Mapping[Expr, ArrayLike]) -> NDArray[np.f
     Raises:
         MaterialError: ``expression`` holds a node that has no value at a point, or is not known.
     """
-    bound = {_key(symbol): _batch(symbol, value) for symbol, value in values.items()}
-    points = max((len(array) for array in bound.values()), default=1)
-    root = apply_derivatives(apply_algebra_lowering(expression))
-    known: dict[Expr, Array] = {}
-    stack = [root]
-    with np.errstate(all="ignore"):  # the caller sees NaN and infinity in the result
+    (result,) = Program([expression], list(values))(*values.values())
+    return result.copy()
+
+
+class Program:
+    """UFL expressions made ready to be evaluated many times.
+
+    What several expressions share is computed once, and what depends on no symbol once for all.
+
+    Args:
+        expressions: see `evaluate`.
+        symbols: the variables, coefficients and constants in them that will be given values.
+
+    Raises:
+        MaterialError: an expression holds a node that has no value at a point, or is not known.
+    """
+
+    def __init__(self, expressions: Sequence[Expr], symbols: Sequence[Expr]) -> None:
+        self._symbols = list(symbols)
+        places = {_key(symbol): place for place, symbol in enumerate(symbols)}
+        self._roots = [apply_derivatives(apply_algebra_lowering(e)) for e in expressions]
+        self._constants: dict[int, Array] = {}
+        self._steps: list[tuple[int, Callable[[list[Array]], Array], list[int]]] = []
+        for root in self._roots:
+            self._plan(root, places)
+        self._results = [places[_key(root)] for root in self._roots]
+        self._size = len(places)
+
+    def _plan(self, root: Expr, places: dict[Expr, int]) -> None:
+        """Append the steps that lead to ``root``; each node gets a place for its value."""
+        stack = [root]
         while stack:
             node = stack[-1]
-            if node in known:
+            children = _children(node)
+            if _key(node) in places:
                 stack.pop()
-            elif _key(node) in bound:
-                known[node] = bound[_key(node)]
-            elif waiting := [child for child in _children(node) if child not in known]:
+            elif waiting := [child for child in children if _key(child) not in places]:
                 stack.extend(waiting)
             else:
-                known[node] = _apply(node, [known[child] for child in _children(node)])
-    return np.broadcast_to(known[root], (points, *root.ufl_shape)).astype(np.float64)
+                place = places[_key(node)] = len(places)
+                operands = [places[_key(child)] for child in children]
+                if all(operand in self._constants for operand in operands):
+                    with np.errstate(all="ignore"):
+                        value = _rule(node)([self._constants[operand] for operand in operands])
+                    self._constants[place] = value
+                else:
+                    self._steps.append((place, _rule(node), operands))
+
+    def __call__(self, *values: ArrayLike) -> list[NDArray[np.float64]]:
+        """Value of each expression at b points, for values of the symbols in their order.
+
+        Args:
+            values: for each symbol either one value of its shape, or b of them, (b, *shape).
+
+        Returns:
+            for each expression (b, *shape), b = 1 where no point was given; a view that must not
+            be written to; NaN or infinite where it has no value.
+        """
+        known: list[Array | None] = [None] * self._size
+        for place, (symbol, value) in enumerate(zip(self._symbols, values, strict=True)):
+            known[place] = _batch(symbol, value)
+        points = max((len(array) for array in known if array is not None), default=1)
+        for place, constant in self._constants.items():
+            known[place] = constant
+        with np.errstate(all="ignore"):  # the caller sees NaN and infinity in the result
+            for place, function, operands in self._steps:
+                known[place] = function([known[operand] for operand in operands])  # type: ignore[misc]
+        answers = zip(self._roots, self._results, strict=True)
+        return [_broadcast(known[place], (points, *root.ufl_shape)) for root, place in answers]
+
+
+def _broadcast(value: Array | None, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    assert value is not None
+    return np.broadcast_to(value.astype(np.float64, copy=False), shape)
 
 
 def _key(node: Expr) -> Expr:
@@ -69,29 +127,40 @@ def _children(node: Expr) -> list[Expr]:
     return [c for c in node.ufl_operands if not isinstance(c, nodes.MultiIndex | nodes.Label)]
 
 
-def _apply(node: Expr, operands: list[Array]) -> Array:
-    rule = _RULES.get(type(node))
+def _rule(node: Expr) -> Callable[[list[Array]], Array]:
+    """What computes ``node`` from its operands' values."""
+    function, rule = _FUNCTIONS.get(type(node)), _RULES.get(type(node))
+    if function is not None:
+        if any(child.ufl_free_indices for child in _children(node)):
+            return partial(_aligned, function, node)
+        return lambda operands: function(*operands)
     if rule is None:
         raise MaterialError(
             f"the energy holds {node} ({type(node).__name__}), which has no value at one point; "
             "use F, UFL's algebra and elementary functions, and pass numbers as constants"
         )
-    return rule(node, operands)
+    return partial(rule, node)
 
 
-def _elementwise(function: Callable[..., Array]) -> Callable[[Expr, list[Array]], Array]:
-    """Rule of a function of scalars, or of tensors of one shape, with their free indices."""
+def _aligned(function: Callable[..., Array], node: Expr, operands: list[Array]) -> Array:
+    """Function of scalars, or of tensors of one shape, with their free indices."""
+    target = node.ufl_free_indices
+    aligned = []
+    for child, array in zip(_children(node), operands, strict=True):
+        shape_axes = [slice(None)] * (1 + len(child.ufl_shape))
+        free_axes = [slice(None) if i in child.ufl_free_indices else None for i in target]
+        aligned.append(array[(*shape_axes, *free_axes)])
+    return function(*aligned)
 
-    def rule(node: Expr, operands: list[Array]) -> Array:
-        target = node.ufl_free_indices
-        aligned = []
-        for child, array in zip(_children(node), operands, strict=True):
-            shape_axes = [slice(None)] * (1 + len(child.ufl_shape))
-            free_axes = [slice(None) if i in child.ufl_free_indices else None for i in target]
-            aligned.append(array[(*shape_axes, *free_axes)])
-        return function(*aligned)
 
-    return rule
+def _power(base: Array, exponent: Array) -> Array:
+    """numpy.power, which is an order slower than a product for the commonest exponents."""
+    if exponent.size == 1:
+        known = {2.0: np.square, 1.0: np.positive, -1.0: np.reciprocal, 0.5: np.sqrt}
+        function = known.get(float(exponent.flat[0]))
+        if function is not None:
+            return function(base)
+    return np.power(base, exponent)
 
 
 def _zero(node: Expr, _: list[Array]) -> Array:
@@ -177,24 +246,28 @@ _RULES: dict[type[Expr], Callable[[Expr, list[Array]], Array]] = {
     nodes.GT: _condition(np.greater),
     nodes.LE: _condition(np.less_equal),
     nodes.GE: _condition(np.greater_equal),
-    nodes.Sum: _elementwise(np.add),
-    nodes.Product: _elementwise(np.multiply),
-    nodes.Division: _elementwise(np.divide),
-    nodes.Power: _elementwise(np.power),
-    nodes.Abs: _elementwise(np.abs),
-    nodes.MinValue: _elementwise(np.minimum),
-    nodes.MaxValue: _elementwise(np.maximum),
-    nodes.Sqrt: _elementwise(np.sqrt),
-    nodes.Exp: _elementwise(np.exp),
-    nodes.Ln: _elementwise(np.log),
-    nodes.Sin: _elementwise(np.sin),
-    nodes.Cos: _elementwise(np.cos),
-    nodes.Tan: _elementwise(np.tan),
-    nodes.Asin: _elementwise(np.arcsin),
-    nodes.Acos: _elementwise(np.arccos),
-    nodes.Atan: _elementwise(np.arctan),
-    nodes.Atan2: _elementwise(np.arctan2),
-    nodes.Sinh: _elementwise(np.sinh),
-    nodes.Cosh: _elementwise(np.cosh),
-    nodes.Tanh: _elementwise(np.tanh),
+}
+
+#: Functions of each entry; operands of one shape.
+_FUNCTIONS: dict[type[Expr], Callable[..., Array]] = {
+    nodes.Sum: np.add,
+    nodes.Product: np.multiply,
+    nodes.Division: np.divide,
+    nodes.Power: _power,
+    nodes.Abs: np.abs,
+    nodes.MinValue: np.minimum,
+    nodes.MaxValue: np.maximum,
+    nodes.Sqrt: np.sqrt,
+    nodes.Exp: np.exp,
+    nodes.Ln: np.log,
+    nodes.Sin: np.sin,
+    nodes.Cos: np.cos,
+    nodes.Tan: np.tan,
+    nodes.Asin: np.arcsin,
+    nodes.Acos: np.arccos,
+    nodes.Atan: np.arctan,
+    nodes.Atan2: np.arctan2,
+    nodes.Sinh: np.sinh,
+    nodes.Cosh: np.cosh,
+    nodes.Tanh: np.tanh,
 }

@@ -1,7 +1,7 @@
 """Any isotropic law, continued through flat and inverted cells."""
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 from fenics_defo.energy.constants import Constant, within
 from fenics_defo.energy.formula import formula
 from fenics_defo.energy.material import IsotropicMaterial
+from fenics_defo.energy.principal import StretchEnergy
 from fenics_defo.errors import MaterialError
-from fenics_defo.runtime.laws import PointResponse
+from fenics_defo.runtime.laws import PointResponse, invertible
 
 type Array = NDArray[np.float64]
 
 _Tangent = Literal["definite", "exact"]
+
+# Energies made ready for evaluation, one for all materials of the same formula.
+_COMPILED: dict[Hashable, StretchEnergy] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +41,8 @@ class Invertible:
     material: IsotropicMaterial
     threshold: float = 0.1
     tangent: _Tangent = "definite"
+    _formula: Hashable = field(init=False, repr=False, compare=False)
+    _energy: StretchEnergy = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.material, IsotropicMaterial):
@@ -55,6 +61,11 @@ class Invertible:
                 f'tangent must be "definite" or "exact", got {self.tangent!r}; '
                 "leave it out for the definite one"
             )
+        key = formula(self.material)
+        if key not in _COMPILED:
+            _COMPILED[key] = StretchEnergy.of(self.material)
+        object.__setattr__(self, "_formula", key)
+        object.__setattr__(self, "_energy", _COMPILED[key])
 
     @property
     def density(self) -> Constant:
@@ -69,7 +80,7 @@ class Invertible:
     @property
     def formula(self) -> Hashable:
         """Equal for laws of one energy function, one threshold and one kind of tangent."""
-        return type(self), self.threshold, self.tangent, formula(self.material)
+        return type(self), self.threshold, self.tangent, self._formula
 
     def linearised(self) -> tuple[Constant, Constant]:
         """Young's modulus [Pa] and Poisson's ratio [-] of small strains about the rest shape.
@@ -88,4 +99,12 @@ class Invertible:
         out: PointResponse | None = None,
     ) -> PointResponse:
         """Energy, stress and tangent at m points; see `PointLaw.respond`."""
-        raise NotImplementedError
+        return invertible(
+            F,
+            self._energy,
+            tuple(parameters[name] for name in self._energy.names),
+            threshold=self.threshold,
+            tangent=tangent,
+            definite=self.tangent == "definite",
+            out=out,
+        )

@@ -30,3 +30,8 @@ class PointResponse:
             stress=np.empty((count, 3, 3)),
             tangent=np.empty((count, 3, 3, 3, 3)) if tangent else None,
         )
+
+    def part(self, points: slice) -> "PointResponse":
+        """Views of some of the points: writing to them writes to this response."""
+        tangent = None if self.tangent is None else self.tangent[points]
+        return PointResponse(self.energy[points], self.stress[points], tangent)

@@ -13,8 +13,8 @@ _TETRAHEDRON = {(0, 1): 1.0, (0, 2): 1.0, (0, 3): 1.0, (1, 2): 1.0, (1, 3): 1.0,
 _EDGES = "01 23 45 67 02 13 46 57 04 15 26 37"
 _FACE_DIAGONALS = "03 12 47 56 05 14 27 36 06 24 17 35"
 _HEXAHEDRON = {
-    **{(int(a), int(b)): 0.1 for a, b in _EDGES.split()},
-    **{(int(a), int(b)): 0.4 for a, b in _FACE_DIAGONALS.split()},
+    **{(int(pair[0]), int(pair[1])): 0.1 for pair in _EDGES.split()},
+    **{(int(pair[0]), int(pair[1])): 0.4 for pair in _FACE_DIAGONALS.split()},
 }
 
 
