@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import ufl
 
-from fenics_defo.energy import deformation_gradient
+from fenics_defo.energy import Material, deformation_gradient
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.material_fields import LawRegion, MaterialFields
 
@@ -63,23 +63,35 @@ def default_degrees(kind: str, order: int, mesh_order: int) -> QuadratureDegrees
 
 
 @dataclass(frozen=True)
-class BodyForms:
-    """Symbolic forms of a body on one displacement space.
+class EnergyForms:
+    """Symbolic forms of the laws that have a UFL energy.
 
     Args:
-        displacement: the function u at which energy, force and tangent are taken.
+        displacement: the function u at which all are taken.
         energy: ∫ ψ(F(u)) dX [J].
         force: its derivative, the internal force f(u) [N].
         tangent: the derivative of that, K(u) [N/m].
-        rest_tangent: K(0), written with the laws' moduli at rest where they are isotropic there.
-        mass: ∫ ρ u v dX on scalar functions, the consistent mass of each component [kg].
     """
 
     displacement: "dolfinx.fem.Function"
     energy: ufl.Form
     force: ufl.Form
     tangent: ufl.Form
-    rest_tangent: ufl.Form
+
+
+@dataclass(frozen=True)
+class BodyForms:
+    """Symbolic forms of a body on one displacement space.
+
+    Args:
+        strain: those of all laws with a UFL energy; None without any.
+        rest_tangent: K(0) of these and of the point laws that have moduli at rest, written with the
+            laws' moduli at rest where they are isotropic there; None without any.
+        mass: ∫ ρ u v dX on scalar functions, the consistent mass of each component [kg].
+    """
+
+    strain: EnergyForms | None
+    rest_tangent: ufl.Form | None
     mass: ufl.Form
 
 
@@ -96,31 +108,40 @@ def body_forms(
     Returns:
         the symbolic forms; nothing is compiled yet.
     """
-    u = dolfinx.fem.Function(space, name="displacement")
     trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
     parts = _measures(space.mesh, fields.regions)
-    F = deformation_gradient(u)
-    energy = sum(
-        region.material.strain_energy(F, region.parameters) * part(degree=degrees.energy)
+    rest = [
+        _rest_tangent(region, part(degree=degrees.rest), trial, test)
+        if region.rest_moduli is not None
+        else _at_zero(region, part(degree=degrees.energy), space, trial, test)
         for region, part in parts
-    )
-    force = ufl.derivative(energy, u, test)
-    tangent = ufl.derivative(force, u, trial)
+        if region.rest_moduli is not None or isinstance(region.material, Material)
+    ]
     scalar = _scalar_space(space)
     dx = ufl.Measure("dx", space.mesh, metadata={"quadrature_degree": degrees.mass})
     return BodyForms(
-        displacement=u,
-        energy=energy,
-        force=force,
-        tangent=tangent,
-        rest_tangent=sum(
-            _rest_tangent(region, part(degree=degrees.rest), trial, test)
-            if region.rest_moduli is not None
-            else _at_zero(region, part(degree=degrees.energy), space, trial, test)
-            for region, part in parts
-        ),
+        strain=_energy_forms(space, parts, degrees.energy),
+        rest_tangent=sum(rest) if rest else None,
         mass=fields.density * ufl.TrialFunction(scalar) * ufl.TestFunction(scalar) * dx,
     )
+
+
+def _energy_forms(
+    space: "dolfinx.fem.FunctionSpace", parts: list[tuple[LawRegion, ufl.Measure]], degree: int
+) -> EnergyForms | None:
+    u = dolfinx.fem.Function(space, name="displacement")
+    F = deformation_gradient(u)
+    energies = [
+        region.material.strain_energy(F, region.parameters) * part(degree=degree)
+        for region, part in parts
+        if isinstance(region.material, Material)
+    ]
+    if not energies:
+        return None
+    energy = sum(energies)
+    force = ufl.derivative(energy, u, ufl.TestFunction(space))
+    tangent = ufl.derivative(force, u, ufl.TrialFunction(space))
+    return EnergyForms(displacement=u, energy=energy, force=force, tangent=tangent)
 
 
 def _scalar_space(space: "dolfinx.fem.FunctionSpace") -> "dolfinx.fem.FunctionSpace":
@@ -165,6 +186,7 @@ def _at_zero(
     test: ufl.Argument,
 ) -> ufl.Form:
     """The law's own tangent about a displacement that stays zero."""
+    assert isinstance(region.material, Material)
     zero = dolfinx.fem.Function(space)
     psi = region.material.strain_energy(deformation_gradient(zero), region.parameters) * dx
     return ufl.derivative(ufl.derivative(psi, zero, test), zero, trial)

@@ -10,22 +10,15 @@ Set ``FENICS_DEFO_GEMMT=0`` in the environment to leave OpenBLAS's routine in pl
 """
 
 import ctypes
-import hashlib
 import logging
 import os
-import shutil
 import subprocess
-import tempfile
 from pathlib import Path
 
+from fenics_defo.fem.native_library import SOURCES, build_library, cache_folder
+
 _log = logging.getLogger(__name__)
-_SOURCE = Path(__file__).with_name("native") / "gemmt.c"
-
-
-def _cache_folder() -> Path:
-    """DOLFINx's cache of compiled forms (its documented default)."""
-    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(base) / "fenics"
+_SOURCE = SOURCES / "gemmt.c"
 
 
 def build(folder: Path | None = None) -> Path:
@@ -41,24 +34,7 @@ def build(folder: Path | None = None) -> Path:
         OSError: no C compiler, or the folder cannot be written.
         subprocess.CalledProcessError: the compiler failed.
     """
-    folder = _cache_folder() if folder is None else folder
-    digest = hashlib.sha256(_SOURCE.read_bytes()).hexdigest()[:16]
-    library = folder / f"libfenics_defo_gemmt_{digest}.so"
-    if library.exists():
-        return library
-    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
-    if compiler is None:
-        raise FileNotFoundError("no C compiler (cc or gcc) on PATH")
-    folder.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(suffix=".so", dir=folder)
-    os.close(handle)
-    try:
-        command = [*compiler.split(), "-O3", "-shared", "-fPIC", str(_SOURCE), "-o", name]
-        subprocess.run(command, check=True, capture_output=True)
-        os.replace(name, library)  # ranks and test workers build at the same time: last one wins
-    finally:
-        Path(name).unlink(missing_ok=True)
-    return library
+    return build_library(_SOURCE, folder=cache_folder() if folder is None else folder)
 
 
 def load(library: Path, openblas: Path) -> ctypes.CDLL:

@@ -6,6 +6,7 @@ Each keeps between two matrices what depends on the pattern of their entries onl
 import logging
 from typing import Literal, Protocol, get_args
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from fenics_defo.errors import DefoError, SolverError
 from fenics_defo.fem.assembly import Assembly
 from fenics_defo.fem.linalg import OPTIONS_PREFIX, Factorization, orthonormal_columns
+from fenics_defo.fem.petsc_blocks import block_values, mark_changed
 
 Array = NDArray[np.float64]
 Kind = Literal["cholesky", "pcg-jacobi", "pcg-amg"]
@@ -78,7 +80,7 @@ def linear_solver(
     if kind == "cholesky":
         return Cholesky()
     if kind == "pcg-jacobi":
-        return JacobiGradients(tolerance=tolerance, iterations=iterations)
+        return JacobiGradients(assembly, tolerance=tolerance, iterations=iterations)
     return MultigridGradients(assembly, tolerance=tolerance, iterations=iterations)
 
 
@@ -204,16 +206,58 @@ class JacobiGradients(_Gradients):
     """Conjugate gradients preconditioned by the inverse 3x3 blocks of the diagonal.
 
     Args:
+        assembly: the body's, which knows where the blocks lie.
         tolerance: see `linear_solver`.
         iterations: largest number of iterations of one solve.
     """
 
+    def __init__(self, assembly: Assembly, *, tolerance: float, iterations: int) -> None:
+        super().__init__(tolerance=tolerance, iterations=iterations)
+        self._assembly = assembly
+        self._inverse: PETSc.Mat | None = None
+
     def prepare(self, matrix: PETSc.Mat) -> None:
-        """Take a matrix; the caller keeps it alive and unchanged until the last solve with it."""
+        """Take a matrix; the caller keeps it alive and unchanged until the last solve with it.
+
+        PETSc 3.25's own preconditioner of this kind keeps the blocks of the first matrix for ever
+        if the pattern does not change, so the blocks are inverted here.
+        """
+        blocks = self._assembly.diagonal_blocks(matrix)
+        try:
+            inverse = np.linalg.inv(blocks)
+        except np.linalg.LinAlgError:
+            inverse = np.full_like(blocks, np.nan)
+        finite = bool(np.isfinite(inverse).all())
+        if not self._assembly.comm.allreduce(finite, op=MPI.LAND):
+            raise SolverError(
+                "a node has no stiffness in some direction, or one that is not finite; take a "
+                "smaller step, and check the mesh and the materials"
+            )
         if self._solver is None:
-            self._solver = self._begin(matrix, PETSc.PC.Type.PBJACOBI)
-        self._solver.setOperators(matrix)
+            self._inverse = _block_diagonal(matrix, inverse)
+            self._solver = self._begin(matrix, PETSc.PC.Type.MAT)
+        else:
+            assert self._inverse is not None
+            values, _ = block_values(self._inverse, (len(inverse), 0))
+            values[:] = inverse.reshape(-1, 9)
+            mark_changed(self._inverse)
+        self._solver.setOperators(matrix, self._inverse)
         self._set_up()
+
+    def close(self) -> None:
+        """Free the solver; collective."""
+        super().close()
+        if self._inverse is not None:
+            self._inverse.destroy()
+            self._inverse = None
+
+
+def _block_diagonal(like: PETSc.Mat, blocks: Array) -> PETSc.Mat:
+    """Matrix of symmetric blocks (owned nodes, 3, 3) on the diagonal."""
+    first, _ = like.getOwnershipRange()
+    rows = np.arange(len(blocks) + 1, dtype=PETSc.IntType)
+    csr = (rows, first // 3 + rows[:-1], blocks.ravel())
+    return PETSc.Mat().createBAIJ(like.getSizes(), bsize=3, csr=csr, comm=like.getComm())
 
 
 class MultigridGradients(_Gradients):

@@ -1,25 +1,21 @@
 """The user's materials laid over the cells of a mesh as cell-wise constant functions."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
-import ufl
 from numpy.typing import NDArray
-from ufl.algorithms.signature import compute_expression_signature
-from ufl.core.expr import Expr
 
-from fenics_defo.energy import Material
+from fenics_defo.energy import MassSpring, Material, PointLaw, formula
 from fenics_defo.errors import MaterialError
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.imported import MeshData, mesh_record
 from fenics_defo.fem.input_order import cell_rows
 from fenics_defo.fem.regions import describe_groups, select_entities
 
-_GRADIENT = ufl.variable(ufl.Identity(3))
-
-type Materials = Material | Mapping[str | int | None, Material]
+type Law = Material | PointLaw | MassSpring
+type Materials = Law | Mapping[str | int | None, Law]
+_LAWS = (Material, PointLaw, MassSpring)
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,14 +23,15 @@ class LawRegion:
     """The cells that share one law, with its constants as functions.
 
     Args:
-        material: any of the law's materials: what is asked of it is the form of its energy.
+        material: any of the law's materials: what is asked of it is the form of its energy, or
+            what it answers at points.
         cells: (k,) this rank's cells, ghosts included.
         parameters: cell-wise constant function of each of the law's parameters.
         rest_moduli: cell-wise (λ, μ) [Pa] of small strains about rest; None where the law is not
             isotropic and free of stress there.
     """
 
-    material: Material
+    material: Law
     cells: NDArray[np.int32]
     parameters: "Mapping[str, dolfinx.fem.Function]"
     rest_moduli: "tuple[dolfinx.fem.Function, dolfinx.fem.Function] | None"
@@ -88,9 +85,9 @@ def lay_materials(mesh_data: MeshData, materials: Materials) -> MaterialFields:
     return _fields(mesh, list(by_region.values()), choice)
 
 
-def _by_region(materials: Materials) -> dict[str | int | None, Material]:
+def _by_region(materials: Materials) -> dict[str | int | None, Law]:
     """The checked mapping, with the material of all other cells in front."""
-    if isinstance(materials, Material):
+    if isinstance(materials, _LAWS):
         return {None: materials}
     if not isinstance(materials, Mapping) or not materials:
         raise MaterialError(
@@ -98,7 +95,7 @@ def _by_region(materials: Materials) -> dict[str | int | None, Material]:
             f"mapping of regions to materials, got {materials!r}"
         )
     for region, material in materials.items():
-        if not isinstance(material, Material):
+        if not isinstance(material, _LAWS):
             raise MaterialError(
                 f"the material of region {region!r} must be a material such as "
                 f"NeoHookean(young=..., poisson=..., density=...), got {material!r}"
@@ -107,12 +104,12 @@ def _by_region(materials: Materials) -> dict[str | int | None, Material]:
 
 
 def _fields(
-    mesh: "dolfinx.mesh.Mesh", materials: list[Material], choice: NDArray[np.int64]
+    mesh: "dolfinx.mesh.Mesh", materials: list[Law], choice: NDArray[np.int64]
 ) -> MaterialFields:
     space = dolfinx.fem.functionspace(mesh, ("DG", 0))
-    laws: dict[object, list[int]] = {}
+    laws: dict[Hashable, list[int]] = {}
     for place, material in enumerate(materials):
-        laws.setdefault(_law(material), []).append(place)
+        laws.setdefault(_formula(material), []).append(place)
     regions = []
     for places in laws.values():
         cells = np.flatnonzero(np.isin(choice, places)).astype(np.int32)
@@ -139,30 +136,16 @@ def _fields(
     return MaterialFields(tuple(regions), density)
 
 
-def _law(material: Material) -> tuple[tuple[str, ...], str]:
-    """What two materials share when they have the same energy function: the function's formula.
-
-    Their class is not enough: a user's own may keep a direction, say, outside of `parameters`.
-    """
-    symbols = {name: _symbol(name) for name in material.parameters}
-    energy = ufl.as_ufl(material.strain_energy(_GRADIENT, symbols))
-    return tuple(symbols), compute_expression_signature(energy, _Names())
+def _formula(law: Law) -> Hashable:
+    """What two laws share when only the numbers in them differ."""
+    if isinstance(law, Material):
+        return formula(law)
+    return law.formula if isinstance(law, PointLaw) else "springs"
 
 
-class _Names(dict[object, str]):
-    """Names by which UFL's signature calls variables and functions: those of the very objects."""
-
-    def __missing__(self, key: object) -> str:
-        return repr(key)
-
-
-@cache
-def _symbol(name: str) -> Expr:
-    """The same symbol each time for a parameter of that name; its number is never used."""
-    return ufl.variable(ufl.as_ufl(1.0))
-
-
-def _lame(material: Material) -> tuple[float | NDArray, float | NDArray] | None:
+def _lame(material: Law) -> tuple[float | NDArray, float | NDArray] | None:
+    if isinstance(material, MassSpring):
+        return None  # of no direction only on the average
     try:
         young, poisson = material.linearised()
     except MaterialError:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 from mpi4py import MPI
 
@@ -17,6 +16,7 @@ from fenics_defo.fem.forms import QuadratureDegrees, body_forms, default_degrees
 from fenics_defo.fem.imported import MeshData, MeshRecord, mesh_record
 from fenics_defo.fem.material_fields import Materials, lay_materials
 from fenics_defo.fem.nodes import NodeNumbering, number_nodes
+from fenics_defo.fem.parts import body_parts
 from fenics_defo.fem.regions import select_nodes
 
 Array = NDArray[np.float64]
@@ -103,11 +103,11 @@ class Solid:
         fields = lay_materials(mesh_data, material)
         #: Whether all laws are isotropic and free of stress at rest.
         self.is_isotropic_at_rest = all(region.rest_moduli for region in fields.regions)
-        self._forms = body_forms(
-            self.space,
-            fields,
-            degrees or default_degrees(kind, order, mesh.geometry.cmaps[0].degree),
-        )
+        rules = degrees or default_degrees(kind, order, mesh.geometry.cmaps[0].degree)
+        forms = body_forms(self.space, fields, rules)
+        parts, unformed = body_parts(self.space, forms, fields, rules.energy)
+        #: Energy, force and PETSc matrices, for ``fem`` and ``analysis`` only.
+        self.assembly = Assembly(self.space, forms, parts, unformed, self.nodes.scatter(self.held))
 
     def _held(self, fixed: Sequence[str | int | Fixed]) -> NDArray[np.bool_]:
         held = np.zeros((self.nodes.size, 3), bool)
@@ -136,11 +136,6 @@ class Solid:
     def dof_count(self) -> int:
         """Number of displacement components, held ones included."""
         return 3 * int(self.space.dofmap.index_map.size_global)
-
-    @cached_property
-    def assembly(self) -> Assembly:
-        """Compiled forms and PETSc matrices, for ``fem`` and ``analysis`` only."""
-        return Assembly(self.space, self._forms, self.nodes.scatter(self.held))
 
     def energy(self, displacement: Array | None = None) -> float:
         """Strain energy [J].

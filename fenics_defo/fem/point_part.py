@@ -1,0 +1,114 @@
+"""Laws that NumPy evaluates at the quadrature points of their cells."""
+
+from collections.abc import Iterator
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.energy import PointLaw, PointResponse
+from fenics_defo.fem.block_matrix import BlockMatrix
+from fenics_defo.fem.cell_kernels import PointLoops
+from fenics_defo.fem.compat import dolfinx
+from fenics_defo.fem.material_fields import LawRegion
+
+Array = NDArray[np.float64]
+
+# Points evaluated at once: their tangents, 648 bytes each, then stay in the processor's cache.
+_BATCH = 2048
+
+
+class PointPart:
+    """∫ ψ(F(u)) dX and its derivatives over the cells of one point law.
+
+    Args:
+        space: displacement space.
+        region: the law's cells and constants.
+        degree: polynomial degree that the quadrature integrates exactly.
+    """
+
+    def __init__(self, space: "dolfinx.fem.FunctionSpace", region: LawRegion, degree: int) -> None:
+        assert isinstance(region.material, PointLaw)
+        self._law = region.material
+        self._cells = region.cells[region.cells < space.mesh.topology.index_map(3).size_local]
+        reference, inverse, self._weights = _geometry(space, self._cells, degree)
+        self._points = len(reference)
+        self._nodes = np.ascontiguousarray(space.dofmap.list[self._cells])
+        self._loops = PointLoops(reference, inverse, self._weights, self._nodes)
+        dofs = next(iter(region.parameters.values())).function_space.dofmap.list[self._cells, 0]
+        self._parameters = {
+            name: np.repeat(field.x.array[dofs], self._points)
+            for name, field in region.parameters.items()
+        }
+        self._positions: NDArray[np.int32] | None = None
+        self._batch = max(_BATCH // self._points, 1)
+        self._gradients = np.empty((self._batch * self._points, 3, 3))
+        self._responses: dict[bool, PointResponse] = {}
+
+    def _answers(self, local: Array, *, tangent: bool) -> Iterator[tuple[slice, PointResponse]]:
+        """The law's response in some cells after others; the arrays are used again."""
+        u = np.ascontiguousarray(local, np.float64)
+        if tangent not in self._responses:
+            size = len(self._gradients)
+            self._responses[tangent] = PointResponse.empty(size, tangent=tangent)
+        whole = self._responses[tangent]
+        for begin in range(0, len(self._cells), self._batch):
+            some = slice(begin, min(begin + self._batch, len(self._cells)))
+            points = slice(self._points * some.start, self._points * some.stop)
+            count = points.stop - points.start
+            F = self._gradients[:count]
+            self._loops.gradients(some, u, F)
+            response = PointResponse(
+                energy=whole.energy[:count],
+                stress=whole.stress[:count],
+                tangent=None if whole.tangent is None else whole.tangent[:count],
+            )
+            parameters = {name: values[points] for name, values in self._parameters.items()}
+            yield some, self._law.respond(F, parameters, tangent=tangent, out=response)
+
+    def energy(self, local: Array) -> float:
+        """This rank's share of the strain energy [J] at a displacement (d, 3) [m]."""
+        answers = self._answers(local, tangent=False)
+        return sum(float(a.energy @ self._weights[some].ravel()) for some, a in answers)
+
+    def add_force(self, local: Array, force: Array) -> None:
+        """Add this rank's share of the internal force to (d, 3) [N]."""
+        for some, answer in self._answers(local, tangent=False):
+            self._loops.add_forces(some, answer.stress, force)
+
+    def add_tangent(self, local: Array, blocks: BlockMatrix, force: Array | None) -> None:
+        """Add this rank's share of the tangent, and of the force where an array is given for it."""
+        if self._positions is None:
+            self._positions = np.ascontiguousarray(blocks.positions[self._cells])
+        for some, answer in self._answers(local, tangent=True):
+            assert answer.tangent is not None
+            self._loops.add_tangents(some, answer.tangent, self._positions, blocks.values)
+            if force is not None:
+                self._loops.add_forces(some, answer.stress, force)
+
+
+def _geometry(
+    space: "dolfinx.fem.FunctionSpace", cells: NDArray[np.int32], degree: int
+) -> tuple[Array, Array, Array]:
+    """Reference gradients (q, n, 3), J⁻¹ (c, q, 3, 3) and weights (c, q) of a quadrature rule.
+
+    The rule is the one that FFCx takes for forms of that degree.
+    """
+    mesh = space.mesh
+    kind = basix.CellType[mesh.topology.cell_name()]
+    points, weights = basix.make_quadrature(kind, degree)
+    corners = mesh.geometry.x[mesh.geometry.dofmaps[0][cells]]
+    map_gradients = _gradients(kind, mesh.geometry.cmaps[0].degree, points)
+    jacobian = np.einsum("cnk,qnl->cqkl", corners, map_gradients, optimize=True)
+    inverse = np.linalg.inv(jacobian)
+    scaled = np.abs(np.linalg.det(jacobian)) * weights
+    reference = _gradients(kind, space.element.basix_element.degree, points)
+    return reference, np.ascontiguousarray(inverse), np.ascontiguousarray(scaled)
+
+
+def _gradients(kind: basix.CellType, order: int, points: Array) -> Array:
+    """Gradients (q, n, 3) of Lagrange's functions at points (q, 3) of the reference cell."""
+    element = basix.create_element(
+        basix.ElementFamily.P, kind, order, basix.LagrangeVariant.gll_warped
+    )
+    return np.moveaxis(element.tabulate(1, points)[1:, :, :, 0], 0, 2)

@@ -1,0 +1,82 @@
+"""Laws whose energy is a UFL expression: forms that DOLFINx compiles."""
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.fem.block_matrix import BlockMatrix
+from fenics_defo.fem.cell_kernels import add_kernel
+from fenics_defo.fem.compat import dolfinx
+from fenics_defo.fem.forms import EnergyForms
+from fenics_defo.fem.jit import compiled
+
+Array = NDArray[np.float64]
+_CELL = dolfinx.fem.IntegralType.cell
+
+
+class UflPart:
+    """Energy, force and tangent of UFL laws; each form is compiled on its first use.
+
+    Args:
+        forms: the laws' forms, and the displacement they are taken at.
+    """
+
+    def __init__(self, forms: EnergyForms) -> None:
+        self._forms = forms
+
+    @cached_property
+    def _energy(self) -> "dolfinx.fem.Form":
+        return compiled(self._forms.energy)
+
+    @cached_property
+    def _force(self) -> "dolfinx.fem.Form":
+        return compiled(self._forms.force)
+
+    @cached_property
+    def tangent_form(self) -> "dolfinx.fem.Form":
+        """K(u), compiled."""
+        return compiled(self._forms.tangent)
+
+    def _deform(self, local: Array) -> None:
+        self._forms.displacement.x.array[:] = local.ravel()
+
+    def energy(self, local: Array) -> float:
+        """This rank's share of the strain energy [J] at a displacement (d, 3) [m]."""
+        self._deform(local)
+        return float(dolfinx.fem.assemble_scalar(self._energy))
+
+    def add_force(self, local: Array, force: Array) -> None:
+        """Add this rank's share of the internal force to (d, 3) [N]."""
+        self._deform(local)
+        dolfinx.fem.assemble_vector(force.reshape(-1), self._force)
+
+    def add_tangent(self, local: Array, blocks: BlockMatrix, force: Array | None) -> None:
+        """Add this rank's share of the tangent, and of the force where an array is given for it."""
+        self._deform(local)
+        add_form(self.tangent_form, blocks)
+        if force is not None:
+            dolfinx.fem.assemble_vector(force.reshape(-1), self._force)
+
+
+def add_form(form: "dolfinx.fem.Form", blocks: BlockMatrix) -> None:
+    """Add this rank's share of a bilinear form, on cells or on exterior facets.
+
+    DOLFINx's own loop does the same through a search for each block's place; here the places are
+    known.
+    """
+    if form.ufcx_form is None:  # a form of zero
+        return
+    mesh, ufcx, ffi = form.mesh, form.ufcx_form, form.module.ffi
+    constants = dolfinx.fem.pack_constants(form)
+    geometry = (mesh.geometry.x, mesh.geometry.dofmaps[0])
+    for (kind, number), coefficients in dolfinx.fem.pack_coefficients(form).items():
+        begin = ufcx.form_integral_offsets[kind.value]
+        integral = ufcx.form_integrals[begin + number]
+        domain = form._cpp_object.domains(kind, number)
+        cells, facets = np.ascontiguousarray(domain, np.int32), None
+        if kind != _CELL:
+            cells, facets = (np.ascontiguousarray(column) for column in cells.reshape(-1, 2).T)
+        address = int(ffi.cast("uintptr_t", integral.tabulate_tensor_float64))
+        packed = coefficients, constants
+        add_kernel(address, (cells, facets), packed, geometry, blocks.positions, blocks.values)
