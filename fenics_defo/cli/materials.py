@@ -6,15 +6,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from fenics_defo.cli.number_text import constants_text
-from fenics_defo.energy import Material, StVenantKirchhoff, read_materials
+from fenics_defo.energy import Invertible, Law, StVenantKirchhoff, read_materials
 
 STEEL = {"young": 2.1e11, "poisson": 0.3, "density": 7850.0}
 
 _LAWS = {
     "LinearElastic": "linear",
+    "Corotational": "corotational",
     "StVenantKirchhoff": "st-venant-kirchhoff",
     "NeoHookean": "neo-hookean",
     "MooneyRivlin": "mooney-rivlin",
+    "MassSpring": "mass-spring",
 }
 
 
@@ -29,7 +31,7 @@ class ChosenMaterials:
         notes: what the user should know about the choice.
     """
 
-    by_region: Mapping[str | None, Material]
+    by_region: Mapping[str | None, Law]
     source: str
     assumed: frozenset[str] = frozenset()
     notes: tuple[str, ...] = ()
@@ -49,6 +51,7 @@ class ChosenMaterials:
                 "region": region,
                 "law": law_of(material),
                 **constants_of(material),
+                **({"invertible": True} if isinstance(material, Invertible) else {}),
                 "source": self.source,
             }
             for region, material in self.by_region.items()
@@ -78,7 +81,7 @@ def given_materials(
 
 
 def settled_materials(
-    given: ChosenMaterials | None, of_mesh: Mapping[str | None, Material]
+    given: ChosenMaterials | None, of_mesh: Mapping[str | None, Law]
 ) -> ChosenMaterials:
     """Return what holds: the command line before the mesh file, and that before steel."""
     if given is not None and of_mesh:
@@ -96,9 +99,15 @@ def settled_materials(
 
 def constants_of(material: Any) -> dict[str, float]:
     """Return the numbers that define a material, by name."""
-    return {f.name: float(getattr(material, f.name)) for f in dataclasses.fields(material)}
+    values = {f.name: getattr(material, f.name) for f in dataclasses.fields(material) if f.init}
+    numbers = {name: value for name, value in values.items() if isinstance(value, float)}
+    if isinstance(material, Invertible):
+        return constants_of(material.material) | numbers
+    return numbers
 
 
 def law_of(material: Any) -> str:
     """Return the name that material tables give the law."""
+    if isinstance(material, Invertible):
+        return law_of(material.material)
     return _LAWS.get(type(material).__name__, type(material).__name__)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Container, Mapping
 
 _TIMES = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
-_CONSTANTS = {"poisson": "", "density": " kg/m3"}  # all others are pressures
+_CONSTANTS = {"poisson": "", "threshold": "", "density": " kg/m3"}  # all others are pressures
 
 
 def constants_text(constants: Mapping[str, float], *, assumed: Container[str] = frozenset()) -> str:

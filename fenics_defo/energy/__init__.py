@@ -13,6 +13,7 @@ from fenics_defo.energy.kinematics import (
     right_cauchy_green,
     small_strain,
 )
+from fenics_defo.energy.law import Law
 from fenics_defo.energy.mass_spring import MassSpring
 from fenics_defo.energy.material import IsotropicMaterial, Material, cell_count
 from fenics_defo.energy.materials import LinearElastic, MooneyRivlin, NeoHookean, StVenantKirchhoff
@@ -30,6 +31,7 @@ __all__ = [
     "Invertible",
     "IsotropicEnergy",
     "IsotropicMaterial",
+    "Law",
     "LinearElastic",
     "MassSpring",
     "Material",

@@ -16,6 +16,9 @@ from fenics_defo.runtime.laws import PointResponse, invertible
 
 type Array = NDArray[np.float64]
 
+#: Principal stretch below which a law is continued if nothing else is said.
+THRESHOLD = 0.1
+
 _Tangent = Literal["definite", "exact"]
 
 # Energies made ready for evaluation, one for all materials of the same formula.
@@ -39,7 +42,7 @@ class Invertible:
     """
 
     material: IsotropicMaterial
-    threshold: float = 0.1
+    threshold: float = THRESHOLD
     tangent: _Tangent = "definite"
     _formula: Hashable = field(init=False, repr=False, compare=False)
     _energy: StretchEnergy = field(init=False, repr=False, compare=False)
@@ -51,11 +54,7 @@ class Invertible:
                 f"{type(self.material).__name__} does not have; use StVenantKirchhoff, NeoHookean, "
                 "MooneyRivlin or IsotropicEnergy (or Corotational, which stands inversion itself)"
             )
-        allowed = "be a number between 0 and 1 (0.1 is usual)"
-        threshold = within("threshold", self.threshold, low=0.0, high=1.0, allowed=allowed)
-        if not isinstance(threshold, float):
-            raise MaterialError(f"threshold must {allowed}, got a field of {len(threshold)} values")
-        object.__setattr__(self, "threshold", threshold)
+        object.__setattr__(self, "threshold", check_threshold(self.threshold))
         if self.tangent not in get_args(_Tangent):
             raise MaterialError(
                 f'tangent must be "definite" or "exact", got {self.tangent!r}; '
@@ -108,3 +107,16 @@ class Invertible:
             definite=self.tangent == "definite",
             out=out,
         )
+
+
+def check_threshold(value: object) -> float:
+    """``value`` as a threshold of the principal stretches.
+
+    Raises:
+        MaterialError: it is not a number between 0 and 1.
+    """
+    allowed = "be a number between 0 and 1 (0.1 is usual)"
+    threshold = within("threshold", value, low=0.0, high=1.0, allowed=allowed)
+    if not isinstance(threshold, float):
+        raise MaterialError(f"threshold must {allowed}, got a field of {len(threshold)} values")
+    return threshold

@@ -1,11 +1,16 @@
 """Materials from the ``[[material]]`` tables of a TOML file."""
 
 import difflib
+import logging
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 
-from fenics_defo.energy.material import Material
+from fenics_defo.energy.corotational import Corotational
+from fenics_defo.energy.invertible import THRESHOLD, Invertible, check_threshold
+from fenics_defo.energy.law import Law
+from fenics_defo.energy.mass_spring import POISSON, MassSpring
+from fenics_defo.energy.material import IsotropicMaterial
 from fenics_defo.energy.materials import LinearElastic, MooneyRivlin, NeoHookean, StVenantKirchhoff
 from fenics_defo.errors import MaterialError
 
@@ -13,23 +18,36 @@ from fenics_defo.errors import MaterialError
 #: rotation, and has the same modes about the rest shape as every other law.
 DEFAULT_LAW = "st-venant-kirchhoff"
 
-_TWO_MODULI: dict[str, type[LinearElastic | StVenantKirchhoff | NeoHookean]] = {
+_TWO_MODULI: dict[str, type[LinearElastic | Corotational | StVenantKirchhoff | NeoHookean]] = {
     "linear": LinearElastic,
+    "corotational": Corotational,
     "st-venant-kirchhoff": StVenantKirchhoff,
     "neo-hookean": NeoHookean,
 }
-_LAWS = (*_TWO_MODULI, "mooney-rivlin")
-_LATER = ("corotational", "mass-spring")
+_LAWS = (*_TWO_MODULI, "mooney-rivlin", "mass-spring")
 _COMMON_KEYS = ("region", "law", "density", "invertible", "threshold")
+_OWN_KEYS: dict[str, tuple[str, ...]] = {
+    "mooney-rivlin": ("c10", "c01", "bulk"),
+    "mass-spring": ("young", "poisson"),
+    "corotational": ("young", "poisson", "mu", "lambda", "tangent"),
+}
+_OF_TWO_MODULI = ("young", "poisson", "mu", "lambda")
+
+_log = logging.getLogger(__name__)
 
 
-def material_from_table(table: Mapping[str, object]) -> tuple[str | None, Material]:
+def material_from_table(table: Mapping[str, object]) -> tuple[str | None, Law]:
     """Region and material of one ``[[material]]`` table.
 
     Keys: ``region`` (name or number of a cell group; left out for all cells), ``law`` ("linear",
-    "st-venant-kirchhoff", which is the default, "neo-hookean" or "mooney-rivlin"), ``density``
-    [kg/m³], and ``young`` [Pa] with ``poisson`` [-], or ``mu`` with ``lambda`` [Pa]; for
-    "mooney-rivlin" ``c10``, ``c01`` and ``bulk`` [Pa].
+    "corotational", "st-venant-kirchhoff", which is the default, "neo-hookean", "mooney-rivlin" or
+    "mass-spring"), ``density`` [kg/m³], and ``young`` [Pa] with ``poisson`` [-], or ``mu`` with
+    ``lambda`` [Pa]; for "mooney-rivlin" ``c10``, ``c01`` and ``bulk`` [Pa]; for "mass-spring"
+    ``young`` (a ``poisson`` beside it is logged as having no effect).
+
+    ``invertible = true`` gives the form of St. Venant-Kirchhoff, neo-Hookean and Mooney-Rivlin that
+    stands inversion, with ``threshold`` [-]; "corotational" stands it as it is, and then has the
+    definite tangent. ``tangent`` chooses among those of `Corotational` and of `Invertible`.
 
     Args:
         table: the table, as `tomllib` gives it.
@@ -49,7 +67,7 @@ def material_from_table(table: Mapping[str, object]) -> tuple[str | None, Materi
         raise MaterialError(f"[[material]] {place}: {error}") from error
 
 
-def read_materials(path: str | Path) -> dict[str | None, Material]:
+def read_materials(path: str | Path) -> dict[str | None, Law]:
     """Materials of the ``[[material]]`` tables of a TOML file, by region.
 
     Args:
@@ -69,7 +87,7 @@ def read_materials(path: str | Path) -> dict[str | None, Material]:
         raise MaterialError(
             f"{path}: needs one [[material]] table (two brackets) for each region, has {found}"
         )
-    materials: dict[str | None, Material] = {}
+    materials: dict[str | None, Law] = {}
     for table in tables:
         try:
             region, material = material_from_table(table)
@@ -111,61 +129,86 @@ def _region(table: Mapping[str, object]) -> str | None:
     return region
 
 
-def _material(table: Mapping[str, object]) -> Material:
+def _material(table: Mapping[str, object]) -> Law:
     law = _law(table)
-    rubber = law == "mooney-rivlin"
-    _check_keys(
-        table, law, ("c10", "c01", "bulk") if rubber else ("young", "poisson", "mu", "lambda")
-    )
-    _check_invertible(table)
-    density = _number(table, "density")
-    if rubber:
+    invertible = _invertible(table, law)
+    _check_keys(table, law, ("tangent",) if invertible else ())
+    if law == "mass-spring":
+        return _mass_spring(table)
+    if law == "corotational":
+        _threshold(table)  # checked, and without effect: the law is linear in the stretches
+        tangent = table.get("tangent", "definite" if invertible else "exact")
+        return _two_moduli(table, law, tangent=tangent)
+    if law == "mooney-rivlin":
         c10, c01, bulk = (_number(table, key) for key in ("c10", "c01", "bulk"))
-        return MooneyRivlin(c10=c10, c01=c01, bulk=bulk, density=density)
+        material: Law = MooneyRivlin(c10=c10, c01=c01, bulk=bulk, density=_number(table, "density"))
+    else:
+        material = _two_moduli(table, law)
+    if not invertible:
+        return material
+    assert isinstance(material, IsotropicMaterial)
+    tangent = table.get("tangent", "definite")
+    return Invertible(material, threshold=_threshold(table), tangent=tangent)  # type: ignore[arg-type]
+
+
+def _two_moduli(table: Mapping[str, object], law: str, **options: object) -> Law:
+    density = _number(table, "density")
     lame = [key for key in ("mu", "lambda") if key in table]
     if lame and ("young" in table or "poisson" in table):
         raise MaterialError(
             f"has {lame[0]} beside young or poisson; give young and poisson, or mu and lambda"
         )
+    kind = _TWO_MODULI[law]
     if lame:
         mu, lmbda = _number(table, "mu"), _number(table, "lambda")
-        return _TWO_MODULI[law].from_lame(mu=mu, lmbda=lmbda, density=density)
+        return kind.from_lame(mu=mu, lmbda=lmbda, density=density, **options)
     young, poisson = _number(table, "young"), _number(table, "poisson")
-    return _TWO_MODULI[law](young=young, poisson=poisson, density=density)
+    return kind(young=young, poisson=poisson, density=density, **options)  # type: ignore[arg-type]
+
+
+def _mass_spring(table: Mapping[str, object]) -> MassSpring:
+    material = MassSpring(young=_number(table, "young"), density=_number(table, "density"))
+    if "poisson" in table and _number(table, "poisson") != POISSON:
+        _log.warning(
+            "law 'mass-spring' has Poisson's ratio %g by itself; poisson = %g has no effect",
+            POISSON,
+            _number(table, "poisson"),
+        )
+    return material
 
 
 def _law(table: Mapping[str, object]) -> str:
     law = table.get("law", DEFAULT_LAW)
-    if law in _LATER:
-        raise MaterialError(
-            f"law {law!r} is not computed by this version; choose one of {_list(_LAWS)}"
-        )
     if law not in _LAWS:
         raise MaterialError(f"law must be one of {_list(_LAWS)}, got {law!r}{_nearest(law, _LAWS)}")
     return str(law)
 
 
-def _check_keys(table: Mapping[str, object], law: str, own: tuple[str, ...]) -> None:
-    allowed = (*_COMMON_KEYS, *own)
+def _check_keys(table: Mapping[str, object], law: str, more: tuple[str, ...]) -> None:
+    allowed = (*_COMMON_KEYS, *_OWN_KEYS.get(law, _OF_TWO_MODULI), *more)
     for key in table:
         if key not in allowed:
             raise MaterialError(
                 f"law {law!r} has no key {key!r}{_nearest(key, allowed)}; "
-                f"its keys are {', '.join(allowed)}"
+                f"its keys are {', '.join(dict.fromkeys(allowed))}"
             )
 
 
-def _check_invertible(table: Mapping[str, object]) -> None:
+def _invertible(table: Mapping[str, object], law: str) -> bool:
     invertible = table.get("invertible", False)
     if not isinstance(invertible, bool):
         raise MaterialError(f"invertible must be true or false, got {invertible!r}")
-    if invertible:
+    if invertible and law in ("linear", "mass-spring"):
         raise MaterialError(
-            "invertible = true is not computed by this version; leave it out, "
-            "and keep the cells from turning inside out"
+            f"law {law!r} has no invertible form; leave invertible out, or choose another law"
         )
-    if "threshold" in table:
+    if "threshold" in table and not invertible:
         raise MaterialError("threshold belongs to invertible = true; leave it out")
+    return invertible
+
+
+def _threshold(table: Mapping[str, object]) -> float:
+    return check_threshold(_number(table, "threshold")) if "threshold" in table else THRESHOLD
 
 
 def _number(table: Mapping[str, object], key: str) -> float:

@@ -48,7 +48,9 @@ class TwoModuli:
         store(self, constants)
 
     @classmethod
-    def from_lame(cls, *, mu: Constant, lmbda: Constant, density: Constant) -> Self:
+    def from_lame(
+        cls, *, mu: Constant, lmbda: Constant, density: Constant, **options: object
+    ) -> Self:
         """The same solid from Lamé's constants.
 
         E = μ(3λ + 2μ)/(λ + μ) and ν = λ/(2(λ + μ)). Only E and ν are kept: `parameters` gives
@@ -58,6 +60,7 @@ class TwoModuli:
             mu: shear modulus μ [Pa], positive.
             lmbda: Lamé's first constant λ [Pa], above -2/3 μ.
             density: mass of the rest shape per volume ρ [kg/m³], positive.
+            options: what else the law's record takes.
 
         Raises:
             MaterialError: a constant is out of its range, or fields have different lengths.
@@ -75,6 +78,7 @@ class TwoModuli:
             young=mu * (3.0 * lmbda + 2.0 * mu) / (lmbda + mu),
             poisson=lmbda / (2.0 * (lmbda + mu)),
             density=density,
+            **options,
         )
 
     @property

@@ -8,7 +8,7 @@ import basix.ufl
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.energy import Material, material_from_table
+from fenics_defo.energy import Law, material_from_table
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.entities import all_entities, corner_nodes
 from fenics_defo.fem.imported import EntityGroup, ImportedMesh, MeshRecord
@@ -58,8 +58,8 @@ def distribute(comm: MPI.Comm, source: SourceMesh) -> ImportedMesh:
     return mesh_data
 
 
-def _materials(source: SourceMesh) -> dict[str | None, Material]:
-    found: dict[str | None, Material] = {}
+def _materials(source: SourceMesh) -> dict[str | None, Law]:
+    found: dict[str | None, Law] = {}
     for item in source.materials:
         region = {} if item.region is None else {"region": item.region}
         name, material = material_from_table({"law": item.law, **item.constants, **region})

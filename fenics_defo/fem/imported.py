@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.energy import Material
+from fenics_defo.energy import Law
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.input_order import input_nodes
 
@@ -60,7 +60,7 @@ class MeshRecord:
     node_numbers: NDArray[np.int64]
     cell_numbers: NDArray[np.int64]
     groups: tuple[EntityGroup, ...] = ()
-    materials: Mapping[str | None, Material] = field(default_factory=dict)
+    materials: Mapping[str | None, Law] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
 

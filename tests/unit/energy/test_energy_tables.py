@@ -11,6 +11,8 @@ from fenics_defo.energy import material_from_table, read_materials
 from fenics_defo.errors import MaterialError
 
 MODULI = {"young": 2e5, "poisson": 0.25, "density": 1000}
+INVERTIBLE = MODULI | {"invertible": True}
+SPRINGS = {"law": "mass-spring", "young": 2e5, "density": 1000}
 RUBBER = {"law": "mooney-rivlin", "c10": 1.0, "c01": 0.5, "bulk": 100, "density": 1.0}
 
 
@@ -18,6 +20,7 @@ RUBBER = {"law": "mooney-rivlin", "c10": 1.0, "c01": 0.5, "bulk": 100, "density"
     ("law", "kind"),
     [
         ("linear", energy.LinearElastic),
+        ("corotational", energy.Corotational),
         ("st-venant-kirchhoff", energy.StVenantKirchhoff),
         ("neo-hookean", energy.NeoHookean),
     ],
@@ -37,6 +40,36 @@ def test_mooney_rivlin_a_numbered_region_and_the_default_law_are_read():
     assert isinstance(material_from_table(MODULI)[1], energy.StVenantKirchhoff)
 
 
+@pytest.mark.parametrize("tangent", ["exact", "definite", "approximate"])
+def test_corotational_takes_its_kind_of_tangent(tangent):
+    _, material = material_from_table(MODULI | {"law": "corotational", "tangent": tangent})
+    assert material.tangent == tangent
+
+
+@pytest.mark.parametrize("table", [MODULI, MODULI | {"law": "neo-hookean"}, RUBBER])
+def test_invertible_wraps_the_law_of_the_table(table):
+    _, material = material_from_table(table | {"invertible": True})
+    assert material == energy.Invertible(material_from_table(table)[1], threshold=0.1)
+    more = {"invertible": True, "threshold": 0.3, "tangent": "exact"}
+    _, other = material_from_table(table | more)
+    assert other == energy.Invertible(material.material, threshold=0.3, tangent="exact")
+    assert other != material
+
+
+def test_corotational_stands_inversion_as_it_is():
+    _, material = material_from_table(INVERTIBLE | {"law": "corotational", "threshold": 0.2})
+    assert material == energy.Corotational(**MODULI, tangent="definite")
+
+
+def test_springs_are_read_and_an_ineffective_poisson_is_logged(caplog):
+    region, material = material_from_table(SPRINGS)
+    assert (region, material) == (None, energy.MassSpring(young=2e5, density=1000.0))
+    assert material_from_table(SPRINGS | {"poisson": 0.25})[1] == material
+    assert not caplog.records
+    assert material_from_table(SPRINGS | {"poisson": 0.3})[1] == material
+    assert "poisson = 0.3 has no effect" in caplog.text
+
+
 def without(table, key):
     return {k: v for k, v in table.items() if k != key}
 
@@ -47,9 +80,20 @@ def without(table, key):
         (MODULI | {"law": "neohookean"}, r"got 'neohookean' \(did you mean \"neo-hookean\"\?\)"),
         (MODULI | {"law": 3}, "law must be one of .*got 3"),
         (MODULI | {"law": ["linear"]}, "law must be one of"),
-        (MODULI | {"law": "corotational"}, "'corotational' is not computed by this version"),
-        ({"law": "mass-spring"}, "'mass-spring' is not computed by this version"),
-        (MODULI | {"invertible": True}, "invertible = true is not computed by this version"),
+        (MODULI | {"law": "corotational", "tangent": "warped"}, "tangent must be .*got 'warped'"),
+        (MODULI | {"law": "corotational", "tangent": ["exact"]}, "tangent must be"),
+        (MODULI | {"tangent": "exact"}, "'st-venant-kirchhoff' has no key 'tangent'"),
+        (INVERTIBLE | {"tangent": "approximate"}, 'tangent must be "definite" or "exact"'),
+        (MODULI | {"law": "linear", "invertible": True}, "'linear' has no invertible form"),
+        (SPRINGS | {"invertible": True}, "'mass-spring' has no invertible form"),
+        (SPRINGS | {"lambda": 1.0}, "'mass-spring' has no key 'lambda'"),
+        (INVERTIBLE | {"threshold": 1.0}, "threshold must be a number between 0 and 1.*got 1.0"),
+        (INVERTIBLE | {"threshold": math.nan}, "threshold must be a number between 0 and 1"),
+        (INVERTIBLE | {"threshold": "0.1"}, "threshold must be a number, got '0.1'"),
+        (
+            INVERTIBLE | {"law": "corotational", "threshold": -1},
+            "threshold must be a number between 0 and 1",
+        ),
         (MODULI | {"invertible": 1}, "invertible must be true or false"),
         (MODULI | {"threshold": 0.1}, "threshold belongs to invertible"),
         (MODULI | {"yuong": 1.0}, r"no key 'yuong' \(did you mean \"young\"\?\)"),
@@ -88,7 +132,7 @@ JSON_LIKE = st.recursive(
     max_leaves=5,
 )
 KEYS = st.sampled_from(
-    ["region", "law", "young", "poisson", "density", "mu", "lambda", "c10", "invertible"]
+    ["region", "law", "young", "poisson", "density", "mu", "lambda", "c10", "invertible", "tangent"]
 )
 
 
@@ -100,7 +144,7 @@ def test_no_table_ends_in_another_error(table):
     except MaterialError:
         return
     assert region is None or isinstance(region, str)
-    assert isinstance(material, energy.Material)
+    assert isinstance(material, energy.Material | energy.PointLaw | energy.MassSpring)
 
 
 def write(tmp_path, text):
