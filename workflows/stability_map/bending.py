@@ -80,9 +80,7 @@ def deflection(ratio: int, solver: str) -> Measured:
     solid = beam(ratio, "linear")
     force = 1e-3 * YOUNG / (4.0 * ratio**4)
     # Conjugate gradients that do not converge at a part of the load do so at none: one half will do.
-    found = analysis.static_equilibrium(
-        solid, [_pull(ratio, force)], linear=solver, max_halvings=1
-    )
+    found = analysis.static_equilibrium(solid, [_pull(ratio, force)], linear=solver, max_halvings=1)
     exact = beams.cantilever_tip(
         length=1.0, section=_section(ratio), young=YOUNG, poisson=0.0, force=force
     )
@@ -94,9 +92,7 @@ def elastica(ratio: int, model: str) -> Measured:
     solid = beam(ratio, model)
     force = 4.0 * YOUNG / (12.0 * ratio**4)
     found = analysis.static_equilibrium(solid, [_pull(ratio, force)], load_steps=8)
-    exact = beams.elastica_end_force(
-        length=1.0, section=_section(ratio), young=YOUNG, force=force
-    )
+    exact = beams.elastica_end_force(length=1.0, section=_section(ratio), young=YOUNG, force=force)
     x, _, z = _tip(solid, found.displacement)
     return Measured(
         error=float(np.hypot(1.0 + x - exact.x, z - exact.y)),

@@ -95,7 +95,7 @@ MODELS: dict[str, Callable[..., energy.Material]] = {
 }
 
 #: Those of a quick map.
-FEW = ("linear", "corotational", "St. Venant-Kirchhoff", "neo-Hookean")
+FEW = ("linear", "corotational", "St. Venant-Kirchhoff")
 
 
 def material(
@@ -140,5 +140,3 @@ def principal_stress(model: str, s: Array, *, young: float, poisson: float) -> A
     steps = s + 1e-30j * np.eye(3)
     energies = [principal_energy(model, row, young=young, poisson=poisson) for row in steps]
     return np.imag(energies) / 1e-30
-
-

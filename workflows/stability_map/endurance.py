@@ -7,7 +7,7 @@ from fenics_defo import analysis, fem  # DOLFINx before anything of PETSc
 # isort: split
 import numpy as np
 
-from workflows.stability_map.bodies import Array, material
+from workflows.stability_map.bodies import material
 from workflows.stability_map.cases import Case
 from workflows.stability_map.methods import METHODS
 from workflows.stability_map.outcomes import Measured
@@ -18,12 +18,8 @@ _AMPLITUDE = 0.1
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
 _WAYS = (
     ("linear", "central differences"),
-    ("linear", "symplectic Euler"),
-    ("St. Venant-Kirchhoff", "central differences"),
     ("St. Venant-Kirchhoff", "symplectic Euler"),
     ("neo-Hookean", "central differences"),
-    ("mass-spring", "central differences"),
-    ("linear", "Newmark, 1 iteration"),
     ("St. Venant-Kirchhoff", "Newmark, 1 iteration"),
 )
 
@@ -38,7 +34,7 @@ def cases(*, quick: bool) -> list[Case]:
             compute=partial(cell, model, name, count),
             patience=900.0,
         )
-        for model, name in (_WAYS[::3] if quick else _WAYS)
+        for model, name in (_WAYS[:2] if quick else _WAYS)
         for count in ((300,) if quick else (1000, 100_000))
     ]
 
@@ -55,7 +51,6 @@ def cell(model: str, name: str, count: int) -> Measured:
     modes = spectrum(solid, lumped=method.integrator.explicit)
     omega = modes.omega[0]
     step = min(0.1 / omega, 0.9 / modes.omega[-1])
-    places: list[Array] = []
     motion = analysis.simulate(
         solid,
         [],
@@ -65,7 +60,6 @@ def cell(model: str, name: str, count: int) -> Measured:
         newton=method.newton,
         initial=analysis.Initial(velocity=_AMPLITUDE * omega * modes.shapes[0]),
         energies_every=max(count // 2000, 1),
-        observe=lambda simulation: places.append(simulation.probe("tip")),
         probes={"tip": (0.0, 0.0, 1.0)},
     )
     total = motion.energies.kinetic + motion.energies.strain
@@ -75,7 +69,7 @@ def cell(model: str, name: str, count: int) -> Measured:
     theory = 0.0
     if model == "linear":
         path = _AMPLITUDE * oscillator(method.integrator, omega, step, count)
-        theory = float(np.abs(np.array(places) - path[:, None] * modes.shapes[0][3]).max())
+        theory = float(np.abs(motion.probes["tip"] - path[:, None] * modes.shapes[0][3]).max())
         theory /= _AMPLITUDE
     note = f"energy drifts by {drift:.1e} and swings by {swing:.1e}"
     if model == "linear":

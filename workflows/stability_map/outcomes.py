@@ -88,6 +88,7 @@ def judged(result: Measured) -> Outcome:
     numbers = (result.error, result.theory, result.growth)
     if not all(math.isfinite(number) for number in numbers):
         said = f"error {result.error:g}, growth {result.growth:g}: a number is not finite"
+        said += f"; {result.note}" if result.note else ""
         return Outcome(Kind.SILENT_NAN, message=said)
     if result.wrong:
         return Outcome(Kind.WRONG, result.error, result.wrong)

@@ -16,7 +16,7 @@ from workflows.stability_map.references import Spectrum, fine_motion, oscillator
 
 TITLE = "Time step"
 RATIOS = (0.01, 0.1, 0.5, 0.99, 1.01, 10.0, 100.0, 1e3, 1e4)
-_QUICK_RATIOS = (0.1, 0.99, 1.01, 1e2, 1e4)
+_QUICK_RATIOS = (0.5, 0.99, 1.01, 1e4)
 # The sideways amplitude of the free end [m], of a column 2 m high.
 _AMPLITUDE = 0.2
 # How long, in limits of the explicit step, the fine reference goes on: two periods.
@@ -29,7 +29,8 @@ def cases(*, quick: bool) -> list[Case]:
     ratios = _QUICK_RATIOS if quick else RATIOS
     rows: dict[str, Method] = dict(METHODS)
     if quick:
-        del rows["Newmark γ 0.6, converged"], rows["backward Euler, 1 iteration"]
+        for name in ("Newmark, converged", "Newmark γ 0.6, converged", "symplectic Euler"):
+            del rows[name]
     found = [
         Case(
             sweep=f"{TITLE}: {name}",
