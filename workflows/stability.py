@@ -19,9 +19,7 @@ import time
 from dataclasses import asdict
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from workflows.stability_map import (
     bending,
@@ -47,6 +45,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--only", default="", metavar="WORD", help="cells whose names hold this")
     parser.add_argument("--jobs", type=int, default=1, help="processes at a time")
     options = parser.parse_args(argv)
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # of the processes to come
     begin = time.perf_counter()
     cells = compute(all_cases(quick=options.quick, only=options.only), jobs=options.jobs)
     seconds = time.perf_counter() - begin

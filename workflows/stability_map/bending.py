@@ -26,13 +26,13 @@ _ELEMENTS = {
 
 def cases(*, quick: bool) -> list[Case]:
     """All cells of both sweeps."""
-    slender = _SLENDER[::5] if quick else _SLENDER
+    slender = (20,) if quick else _SLENDER
     found = []
     for ratio in slender:
         for solver in ("cholesky", "pcg-jacobi", "pcg-amg"):
             compute = partial(deflection, ratio, solver)
             found.append(_case(f"linear statics, {solver}", ratio, compute))
-        for model in ("St. Venant-Kirchhoff", "corotational", "neo-Hookean"):
+        for model in ("St. Venant-Kirchhoff", "corotational", "neo-Hookean")[: 1 if quick else 3]:
             found.append(_case(f"elastica, {model}", ratio, partial(elastica, ratio, model)))
         found.append(_case("lowest frequency", ratio, partial(frequency, ratio)))
         found.append(_case("Newmark, first mode", ratio, partial(first_mode, ratio)))
@@ -44,7 +44,7 @@ def cases(*, quick: bool) -> list[Case]:
             column=f"{poisson:g}",
             compute=partial(locking, element, poisson),
         )
-        for element in (list(_ELEMENTS)[2:] if quick else _ELEMENTS)
+        for element in (list(_ELEMENTS)[2:3] if quick else _ELEMENTS)
         for poisson in ratios
     ]
     return found
@@ -79,7 +79,7 @@ def deflection(ratio: int, solver: str) -> Measured:
     """Small deflection against Timoshenko's; without Poisson's ratio the clamp disturbs nothing."""
     solid = beam(ratio, "linear")
     force = 1e-3 * YOUNG / (4.0 * ratio**4)
-    # Conjugate gradients that do not converge at a part of the load do so at none: one half will do.
+    # Conjugate gradients that fail at one part of the load fail at each: one half will do.
     found = analysis.static_equilibrium(solid, [_pull(ratio, force)], linear=solver, max_halvings=1)
     exact = beams.cantilever_tip(
         length=1.0, section=_section(ratio), young=YOUNG, poisson=0.0, force=force

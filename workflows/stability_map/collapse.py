@@ -36,8 +36,8 @@ _MODULUS = lame(YOUNG, POISSON)[1] + 2.0 * lame(YOUNG, POISSON)[0]
 
 def cases(*, quick: bool) -> list[Case]:
     """All cells of the three sweeps."""
-    models = (*FEW, "invertible StVK") if quick else tuple(MODELS)
-    stretches = (0.5, 0.0, -0.5) if quick else _STRETCHES
+    models = ("linear", "invertible StVK") if quick else tuple(MODELS)
+    stretches = (0.5, 0.0) if quick else _STRETCHES
     found = [
         _case(CRUSH_TITLE, model, f"{stretch:g}", partial(crush, model, stretch))
         for model in models
@@ -47,12 +47,13 @@ def cases(*, quick: bool) -> list[Case]:
         _case(LOAD_TITLE, model, f"{load:g}", partial(press, model, load))
         for model in models
         if model != "mass-spring"
-        for load in ((0.19, 0.5) if quick else _LOADS)
+        for load in ((0.19,) if quick else _LOADS)
     ]
     return found + [
         _case(BACK_TITLE, model, start, partial(recover, model, start))
         for model in models
         for start in (_STARTS[1:2] if quick else _STARTS)
+        if not (quick and model == "linear")
     ]
 
 
@@ -178,4 +179,6 @@ def recover(model: str, start: str) -> Measured:
     )
     away = float(np.abs(motion.state.displacement).max())
     energy = solid.energy(motion.state.displacement)
+    if not np.isfinite(energy):
+        return Measured(error=np.nan, note=f"moved by {away:.2g} of its edge, energy {energy}")
     return Measured(error=away, note=f"strain energy left {energy / YOUNG:.1e} E m³")

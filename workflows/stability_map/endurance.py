@@ -19,7 +19,6 @@ _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
 _WAYS = (
     ("linear", "central differences"),
     ("St. Venant-Kirchhoff", "symplectic Euler"),
-    ("neo-Hookean", "central differences"),
     ("St. Venant-Kirchhoff", "Newmark, 1 iteration"),
 )
 
@@ -34,7 +33,7 @@ def cases(*, quick: bool) -> list[Case]:
             compute=partial(cell, model, name, count),
             patience=900.0,
         )
-        for model, name in (_WAYS[:2] if quick else _WAYS)
+        for model, name in (_WAYS[:1] if quick else _WAYS)
         for count in ((300,) if quick else (1000, 100_000))
     ]
 
