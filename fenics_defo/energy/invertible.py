@@ -29,6 +29,17 @@ _COMPILED: dict[Hashable, StretchEnergy] = {}
 class Invertible:
     """An isotropic law whose stress is continued linearly below a threshold of the stretches.
 
+    Above the threshold it is the law itself, with whatever that lacks. St. Venant-Kirchhoff loses
+    its stiffness in compression: along one axis its force has its limit at the stretch 1/√3, and
+    at the threshold 0.1 it resists with a quarter of that. A threshold of 0.6 leaves its weak range
+    out. Neo-Hookean and Mooney-Rivlin stiffen without bound towards 0: a threshold under 0.1 makes
+    inverted cells stiffer than anything else and steps of Newton short. All of them have an
+    indefinite tangent in compression, where thin shapes buckle; the definite one then keeps
+    Newton's steps descents, and slows it down near the end.
+
+    Below the threshold the stiffness across is a constant of the law, see
+    `fenics_defo.runtime.laws.continuation.continued`.
+
     Args:
         material: any law with an energy of the invariants: StVenantKirchhoff, NeoHookean,
             MooneyRivlin or the user's IsotropicEnergy.

@@ -179,6 +179,14 @@ class Assembly:
         """(owned nodes, 3, 3) diagonal blocks of a symmetric matrix from `empty_matrix`."""
         return self._blocks.diagonal_blocks(matrix)
 
+    def level_held_rows(self, matrix: PETSc.Mat) -> None:
+        """Give held rows of a matrix from `empty_matrix` a diagonal of the others' size."""
+        diagonal = self.diagonal_blocks(matrix)[:, range(3), range(3)]
+        held = self._held[: self.owned]
+        total, count = float(diagonal[~held].sum()), int((~held).sum())
+        mean = self.comm.allreduce(total) / max(self.comm.allreduce(count), 1)
+        self._blocks.set_diagonal(matrix, self._held, mean)
+
     def rigid_motions(self) -> Array:
         """Six rigid motions (owned dofs, 6) of the present shape, zero at held components.
 

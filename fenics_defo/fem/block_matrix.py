@@ -76,9 +76,17 @@ class BlockMatrix:
         columns = self._columns.local_to_global(self._indices).astype(PETSc.IntType)
         csr = (self._indptr.astype(PETSc.IntType), columns, np.zeros(9 * len(columns)))
         matrix = PETSc.Mat().createBAIJ((size, size), bsize=3, csr=csr, comm=self._rows.comm)
+        matrix.setLGMap(*(self._numbers_on_all_ranks(map_) for map_ in (self._rows, self._columns)))
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
         return matrix
+
+    @staticmethod
+    def _numbers_on_all_ranks(index_map: "dolfinx.common.IndexMap") -> PETSc.LGMap:
+        """For DOLFINx's own loops, should they fill the matrix."""
+        count = index_map.size_local + index_map.num_ghosts
+        numbers = index_map.local_to_global(np.arange(count, dtype=np.int32))
+        return PETSc.LGMap().create(numbers.astype(PETSc.IntType), bsize=3, comm=index_map.comm)
 
     def write(
         self, matrix: PETSc.Mat, held: "HeldBlocks | None", *, diagonal: float, add: bool = False
@@ -102,6 +110,13 @@ class BlockMatrix:
         """(owned, 3, 3) diagonal blocks of a symmetric matrix from `empty`."""
         own, _ = self._petsc_values(matrix)
         return own[self._diagonal_in_petsc].reshape(-1, 3, 3)
+
+    def set_diagonal(self, matrix: PETSc.Mat, components: NDArray[np.bool_], value: float) -> None:
+        """Set the diagonal entries of components (d, 3) of a matrix from `empty`."""
+        rows, places = np.nonzero(components[: self.owned])
+        own, _ = self._petsc_values(matrix)
+        own[self._diagonal_in_petsc[rows], 4 * places] = value
+        mark_changed(matrix)
 
     def _petsc_values(self, matrix: PETSc.Mat) -> tuple[Array, Array]:
         first, second = self._chosen

@@ -8,6 +8,7 @@ import ufl
 
 from fenics_defo.fem.compat import dolfinx
 
+_CPUINFO = Path("/proc/cpuinfo")
 # What the x86-64-v3 level needs beyond the plain one, as Linux names it.
 _V3 = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"}
 # Sums may be reordered and contracted, which lets the compiler use vectors; but NaN and infinity
@@ -30,7 +31,7 @@ def architecture() -> tuple[str, ...]:
     if platform.machine() not in ("x86_64", "AMD64"):
         return ()
     try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        lines = _CPUINFO.read_text(encoding="utf-8").splitlines()
     except OSError:
         return ()
     known = [set(line.split(":", 1)[1].split()) for line in lines if line.startswith("flags")]

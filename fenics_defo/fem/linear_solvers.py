@@ -6,7 +6,6 @@ Each keeps between two matrices what depends on the pattern of their entries onl
 import logging
 from typing import Literal, Protocol, get_args
 
-from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
@@ -14,18 +13,13 @@ from numpy.typing import NDArray
 
 from fenics_defo.errors import DefoError, SolverError
 from fenics_defo.fem.assembly import Assembly
-from fenics_defo.fem.linalg import OPTIONS_PREFIX, Factorization, orthonormal_columns
-from fenics_defo.fem.petsc_blocks import block_values, mark_changed
+from fenics_defo.fem.gradients import INFINITE, JacobiGradients, MultigridGradients
+from fenics_defo.fem.linalg import Factorization
 
 Array = NDArray[np.float64]
 Kind = Literal["cholesky", "pcg-jacobi", "pcg-amg"]
 
 _log = logging.getLogger(__name__)
-_Reason = PETSc.KSP.ConvergedReason
-_INDEFINITE = (_Reason.DIVERGED_INDEFINITE_MAT, _Reason.DIVERGED_INDEFINITE_PC)
-_NOT_FINITE = (_Reason.DIVERGED_NANORINF, _Reason.DIVERGED_PCSETUP_FAILED)
-# A multigrid hierarchy is kept until the iterations are this many times those it began with.
-_STALE = 1.5
 
 
 class LinearSolver(Protocol):
@@ -36,7 +30,9 @@ class LinearSolver(Protocol):
         """Iterations of the last solve; 1 for a direct solver."""
 
     def prepare(self, matrix: PETSc.Mat) -> None:
-        """Take a matrix of `Assembly.empty_matrix`'s pattern; it is not changed.
+        """Take a matrix of `Assembly.empty_matrix`'s pattern.
+
+        Its held rows hold no more than their diagonal, which the solver may change.
 
         Raises:
             SolverError: the matrix is singular or not finite, or memory ran out.
@@ -100,7 +96,7 @@ class Cholesky:
     def prepare(self, matrix: PETSc.Mat) -> None:
         """Factorise a matrix, which need not be kept."""
         if not np.isfinite(matrix.norm(PETSc.NormType.FROBENIUS)):
-            raise SolverError("the stiffness holds NaN or infinity; take a smaller step")
+            raise SolverError(INFINITE)
         definite = self.negative_eigenvalues == 0
         negative = self._factorise(matrix, definite=definite)
         if definite and negative:
@@ -130,207 +126,3 @@ class Cholesky:
         if self._factors is not None:
             self._factors.close()
             self._factors = None
-
-
-class _Gradients:
-    """PETSc's conjugate gradients with vectors that are kept."""
-
-    def __init__(self, *, tolerance: float, iterations: int) -> None:
-        self._tolerance, self._most = tolerance, iterations
-        self._solver: PETSc.KSP | None = None
-        self.iterations = 0
-
-    def _begin(self, matrix: PETSc.Mat, preconditioner: str) -> PETSc.KSP:
-        solver = PETSc.KSP().create(matrix.getComm())
-        solver.setOptionsPrefix(OPTIONS_PREFIX)
-        solver.setType(PETSc.KSP.Type.CG)
-        # √(rᵀ P r): no product beyond those CG needs, and each stiffness weighs alike.
-        solver.setNormType(PETSc.KSP.NormType.NATURAL)
-        solver.setTolerances(rtol=self._tolerance, atol=0.0, max_it=self._most)
-        solver.getPC().setType(preconditioner)
-        solver.setFromOptions()
-        self._right, self._left = matrix.createVecs()
-        return solver
-
-    def _set_up(self) -> None:
-        assert self._solver is not None
-        try:
-            self._solver.setUp()
-        except PETSc.Error as error:
-            raise SolverError(
-                f"the stiffness cannot be preconditioned ({error}): a node has none, or it is not "
-                "finite; take a smaller step, and check the mesh and the materials"
-            ) from error
-
-    def solve(self, right_side: Array) -> Array:
-        """Solve for one right-hand side (owned dofs,), zero at held components."""
-        assert self._solver is not None, "prepare a matrix first"
-        self._left.array[:] = right_side
-        try:
-            self._solver.solve(self._left, self._right)
-        except PETSc.Error as error:
-            raise SolverError(f"PETSc could not solve a linear system ({error})") from error
-        self.iterations = self._solver.getIterationNumber()
-        self._check()
-        return np.array(self._right.array)
-
-    def _check(self) -> None:
-        assert self._solver is not None
-        reason = self._solver.getConvergedReason()
-        if reason in _INDEFINITE:
-            raise SolverError(
-                "conjugate gradients met a matrix that is not positive definite: the body is about "
-                "to buckle or a cell to turn inside out; take a smaller step, or the direct solver "
-                '(linear = "cholesky")'
-            )
-        if reason in _NOT_FINITE:
-            raise SolverError(
-                "conjugate gradients met numbers that are not finite, or a node without stiffness; "
-                "take a smaller step, and check the loads and the mesh"
-            )
-        if reason <= 0:
-            raise SolverError(
-                f"conjugate gradients did not converge in {self.iterations} iterations; use the "
-                'direct solver (linear = "cholesky"), or raise their number or the tolerance'
-            )
-
-    def close(self) -> None:
-        """Free the solver; collective."""
-        if self._solver is not None:
-            for thing in (self._solver, self._left, self._right):
-                thing.destroy()
-            self._solver = None
-
-
-class JacobiGradients(_Gradients):
-    """Conjugate gradients preconditioned by the inverse 3x3 blocks of the diagonal.
-
-    Args:
-        assembly: the body's, which knows where the blocks lie.
-        tolerance: see `linear_solver`.
-        iterations: largest number of iterations of one solve.
-    """
-
-    def __init__(self, assembly: Assembly, *, tolerance: float, iterations: int) -> None:
-        super().__init__(tolerance=tolerance, iterations=iterations)
-        self._assembly = assembly
-        self._inverse: PETSc.Mat | None = None
-
-    def prepare(self, matrix: PETSc.Mat) -> None:
-        """Take a matrix; the caller keeps it alive and unchanged until the last solve with it.
-
-        PETSc 3.25's own preconditioner of this kind keeps the blocks of the first matrix for ever
-        if the pattern does not change, so the blocks are inverted here.
-        """
-        blocks = self._assembly.diagonal_blocks(matrix)
-        try:
-            inverse = np.linalg.inv(blocks)
-        except np.linalg.LinAlgError:
-            inverse = np.full_like(blocks, np.nan)
-        finite = bool(np.isfinite(inverse).all())
-        if not self._assembly.comm.allreduce(finite, op=MPI.LAND):
-            raise SolverError(
-                "a node has no stiffness in some direction, or one that is not finite; take a "
-                "smaller step, and check the mesh and the materials"
-            )
-        if self._solver is None:
-            self._inverse = _block_diagonal(matrix, inverse)
-            self._solver = self._begin(matrix, PETSc.PC.Type.MAT)
-        else:
-            assert self._inverse is not None
-            values, _ = block_values(self._inverse, (len(inverse), 0))
-            values[:] = inverse.reshape(-1, 9)
-            mark_changed(self._inverse)
-        self._solver.setOperators(matrix, self._inverse)
-        self._set_up()
-
-    def close(self) -> None:
-        """Free the solver; collective."""
-        super().close()
-        if self._inverse is not None:
-            self._inverse.destroy()
-            self._inverse = None
-
-
-def _block_diagonal(like: PETSc.Mat, blocks: Array) -> PETSc.Mat:
-    """Matrix of symmetric blocks (owned nodes, 3, 3) on the diagonal."""
-    first, _ = like.getOwnershipRange()
-    rows = np.arange(len(blocks) + 1, dtype=PETSc.IntType)
-    csr = (rows, first // 3 + rows[:-1], blocks.ravel())
-    return PETSc.Mat().createBAIJ(like.getSizes(), bsize=3, csr=csr, comm=like.getComm())
-
-
-class MultigridGradients(_Gradients):
-    """Conjugate gradients with PETSc's GAMG, kept between matrices while it serves.
-
-    References: Vanek, Mandel and Brezina, Computing 56 (1996) 179-196 (smoothed aggregation for
-        elasticity).
-
-    Args:
-        assembly: the body's, which knows its rigid motions.
-        tolerance: see `linear_solver`.
-        iterations: largest number of iterations of one solve.
-    """
-
-    def __init__(self, assembly: Assembly, *, tolerance: float, iterations: int) -> None:
-        super().__init__(tolerance=tolerance, iterations=iterations)
-        self._assembly = assembly
-        self._plain: PETSc.Mat | None = None
-        self._first = 0  # iterations of the first solve with the present hierarchy
-
-    def prepare(self, matrix: PETSc.Mat) -> None:
-        """Take a matrix; the caller keeps it alive and unchanged until the last solve with it."""
-        stale = self.iterations > _STALE * self._first + 2
-        if self._solver is not None and not stale:
-            self._solver.setOperators(matrix, self._plain)
-            self._set_up()
-            return
-        self.close()
-        self._first = 0
-        self._plain = self._preconditioned(matrix)
-        self._solver = self._begin(matrix, PETSc.PC.Type.GAMG)
-        self._solver.setOperators(matrix, self._plain)
-        self._solver.getPC().setReusePreconditioner(True)
-        self._set_up()
-
-    def _preconditioned(self, matrix: PETSc.Mat) -> PETSc.Mat:
-        """A scalar copy for GAMG, with the rigid motions as its near kernel."""
-        plain = matrix.convert("aij", PETSc.Mat())
-        plain.setBlockSize(3)
-        plain.setOption(PETSc.Mat.Option.SPD, True)
-        self._scale_held_rows(plain)
-        vectors = []
-        for column in orthonormal_columns(self._assembly.comm, self._assembly.rigid_motions()).T:
-            vector = plain.createVecRight()
-            vector.array[:] = column
-            vectors.append(vector)
-        kernel = PETSc.NullSpace().create(vectors=vectors, comm=matrix.getComm())
-        plain.setNearNullSpace(kernel)
-        for thing in (kernel, *vectors):
-            thing.destroy()
-        return plain
-
-    def _scale_held_rows(self, plain: PETSc.Mat) -> None:
-        """Give held rows the size of the others: a tiny diagonal misleads the smoothers."""
-        held = self._assembly.held[: self._assembly.owned].ravel()
-        diagonal = plain.getDiagonal()
-        comm = self._assembly.comm
-        total = comm.allreduce(float(diagonal.array[~held].sum()))
-        diagonal.array[held] = total / max(comm.allreduce(int((~held).sum())), 1)
-        plain.setDiagonal(diagonal)
-        diagonal.destroy()
-
-    def solve(self, right_side: Array) -> Array:
-        """Solve for one right-hand side (owned dofs,), zero at held components."""
-        solution = super().solve(right_side)
-        self._first = self._first or self.iterations
-        held = self._assembly.held[: self._assembly.owned].ravel()
-        solution[held] = 0.0  # the smoothers leave traces in it
-        return solution
-
-    def close(self) -> None:
-        """Free the solver; collective."""
-        super().close()
-        if self._plain is not None:
-            self._plain.destroy()
-            self._plain = None

@@ -76,7 +76,8 @@ def select_entities(
 ) -> NDArray[np.int32]:
     """Vertices, boundary facets or cells of a mesh that a selection means.
 
-    A group gives its own entities of that dimension. A comparison gives vertices and boundary
+    A group gives its own entities of that dimension; one of nodes only, the boundary facets all of
+    whose corners it names. A comparison gives vertices and boundary
     facets all of whose corners fulfil it, and cells whose midpoint does; a node file, entities all
     of whose corners it names. Collective.
 
@@ -95,9 +96,11 @@ def select_entities(
     parsed = parse_selection(selection, groups={group.name for group in record.groups})
     match parsed:
         case GroupSelection(group):
-            mine = [g for g in _named(record.groups, group) if g.dimension == dimension]
-            parts = [np.empty(0, np.int32), *(g.entities for g in mine)]
-            found = np.unique(np.concatenate(parts))
+            named = _named(record.groups, group)
+            parts = [g.entities for g in named if g.dimension == dimension]
+            if dimension == 2 and not parts:
+                parts = [_facets_between(mesh, g.nodes) for g in named if g.nodes is not None]
+            found = np.unique(np.concatenate([np.empty(0, np.int32), *parts]))
         case ComparisonSelection():
             entities, corners = _candidates(mesh, dimension)
             x, tolerance = mesh.geometry.x, _tolerance(_corners_of_box(mesh))
@@ -107,11 +110,32 @@ def select_entities(
                 found = entities[parsed.evaluate(x, tolerance)[corners].all(axis=1)]
         case NodeFileSelection():
             entities, corners = _candidates(mesh, dimension)
-            named = np.isin(record.node_numbers, _numbers(mesh, parsed, record))
-            found = entities[named[node_rows(mesh)][corners].all(axis=1)]
+            listed = np.isin(record.node_numbers, _numbers(mesh, parsed, record))
+            found = entities[listed[node_rows(mesh)][corners].all(axis=1)]
     if mesh.comm.allreduce(int(found.size)) == 0:
         raise _nothing(selection, _corners_of_box(mesh), record.groups, _KINDS[dimension])
     return found.astype(np.int32)
+
+
+def select_facets(mesh_data: MeshData, selection: str | int) -> NDArray[np.int32]:
+    """Facets of the surface that a selection means, as by `select_entities`; collective.
+
+    Returns:
+        (k,) this rank's own facets, ascending.
+
+    Raises:
+        SelectionError: not well formed, no such group, or nothing of the surface selected.
+    """
+    mesh = mesh_data.mesh
+    found = select_entities(mesh_data, selection, dimension=2)
+    mesh.topology.create_connectivity(2, 3)
+    chosen = np.intersect1d(found, dolfinx.mesh.exterior_facet_indices(mesh.topology))
+    if mesh.comm.allreduce(int(chosen.size)) == 0:
+        raise SelectionError(
+            f"all facets of the selection {selection!r} lie inside the body, where no load can act "
+            "on them; select facets of its surface"
+        )
+    return chosen.astype(np.int32)
 
 
 def describe_groups(groups: Sequence[EntityGroup]) -> str:
@@ -159,6 +183,12 @@ def _candidates(
         mesh.topology.create_connectivity(2, 3)
         entities = np.sort(dolfinx.mesh.exterior_facet_indices(mesh.topology))
     return entities, corner_nodes(mesh, dimension, entities)
+
+
+def _facets_between(mesh: "dolfinx.mesh.Mesh", rows: NDArray[np.int64]) -> NDArray[np.int32]:
+    """Boundary facets all of whose corners are among the file's nodes ``rows``."""
+    facets, corners = _candidates(mesh, 2)
+    return facets[np.isin(node_rows(mesh), rows)[corners].all(axis=1)]
 
 
 def _corners_of_box(mesh: "dolfinx.mesh.Mesh") -> NDArray[np.float64]:

@@ -1,10 +1,13 @@
 """Arithmetic of many 3 × 3 matrices at once, components first.
 
-Inside the laws a batch of matrices is an array (3, 3, b): each component is one contiguous row, and
-each operation of NumPy runs over a row. Batches are short enough to stay in a core's cache.
+Inside the laws a batch of matrices is an array (3, 3, b): each component is one contiguous row,
+and each operation of NumPy runs over a row. Batches are short enough to stay in a core's cache, and
+where many matrices are made one after the other they are written into the same arrays: the C
+library hands blocks of this size back to the system when they are freed, and to fetch them anew
+costs as much as the arithmetic.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +32,9 @@ def components(matrices: Array) -> Array:
 
 def product(A: Array, B: Array) -> Array:
     """A B."""
-    result = A[:, 0, None] * B[0]
-    result += A[:, 1, None] * B[1]
-    result += A[:, 2, None] * B[2]
+    result, term = A[:, 0, None] * B[0], A[:, 1, None] * B[1]
+    result += term
+    result += np.multiply(A[:, 2, None], B[2], out=term)
     return result
 
 
@@ -57,7 +60,7 @@ def cofactor(A: Array) -> Array:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """A × b (3, b)."""
+    """Vector product a × b (3, b)."""
     result = np.empty_like(a)
     for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
         np.subtract(a[j] * b[k], a[k] * b[j], out=result[i])
@@ -69,9 +72,11 @@ def rows(value: Array | float, part: slice) -> Array | float:
     return value[part] if isinstance(value, np.ndarray) and value.ndim else value
 
 
-def outer(a: Array, b: Array) -> Array:
-    """A ⊗ b (3, 3, b) of vectors (3, b)."""
-    return a[:, None] * b
+def combined(matrices: Sequence[Array], weights: Sequence[Array], out: Array, term: Array) -> None:
+    """Write Σ w A, of matrices (3, 3, b) with weights (b,), into ``out``; ``term`` is for use."""
+    np.multiply(matrices[0], weights[0], out=out)
+    for matrix, weight in zip(matrices[1:], weights[1:], strict=True):
+        out += np.multiply(matrix, weight, out=term)
 
 
 def store_block(out: Array, block: Array, i: int, k: int) -> None:

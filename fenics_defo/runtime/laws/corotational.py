@@ -117,24 +117,22 @@ def _spin_weights(
 
 def _write_tangent(out: Array, R: Array, W: Array, mu: Array | float, lmbda: Array | float) -> None:
     """2μ δ_ik δ_jl + λ R_ij R_kl + W_ab (T_a)_ij (T_b)_kl; the rows of T are (r_i × e_a)_j."""
-    scaled = lmbda * R
-    turned = [_crossed(R[i], W) for i in range(3)]  # [r_i]× W
-    twice = 2.0 * mu
+    scaled, term, block = lmbda * R, np.empty_like(R), np.empty_like(R)
+    turned = np.empty_like(R)  # [r_i]× W
     for i in range(3):
+        _write_crossed(turned, R[i], W, term)
         for k in range(i, 3):
             # Transposed, because (A [r]×ᵀ)ᵀ = [r]× Aᵀ.
-            block = transpose(_crossed(R[k], transpose(turned[i])))
-            block = block + scaled[i, :, None] * R[k]
+            _write_crossed(transpose(block), R[k], transpose(turned), term)
+            block += np.multiply(scaled[i, :, None], R[k], out=term)
             if i == k:
                 for j in range(3):
-                    block[j, j] += twice
+                    block[j, j] += 2.0 * mu
             store_block(out, block, i, k)
 
 
-def _crossed(r: Array, A: Array) -> Array:
-    """[r]× A: each column of A after a cross product with r (3, b) from the left."""
-    result = np.empty_like(A)
+def _write_crossed(out: Array, r: Array, A: Array, term: Array) -> None:
+    """Write [r]× A into ``out``: each column of A after a cross product with r (3, b)."""
     for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
-        np.multiply(r[j], A[k], out=result[i])
-        result[i] -= r[k] * A[j]
-    return result
+        np.multiply(r[j], A[k], out=out[i])
+        out[i] -= np.multiply(r[k], A[j], out=term[i])

@@ -54,10 +54,10 @@ def rotation(first: Array, second: Array, off: Array) -> tuple[Array, Array, Arr
 
 def rotated(x: Array, y: Array, cosine: Array, sine: Array) -> tuple[Array, Array]:
     """Rows or columns x and y after the rotation of their plane: c x − s y and s x + c y."""
-    new = cosine * x
-    new -= sine * y
-    other = sine * x
-    other += cosine * y
+    new, term = cosine * x, sine * y
+    new -= term
+    other = cosine * y
+    other += np.multiply(sine, x, out=term)
     return new, other
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.runtime.laws.batches import outer, store_block
+from fenics_defo.runtime.laws.batches import combined, store_block, transpose
 from fenics_defo.runtime.laws.continuation import PrincipalState
 from fenics_defo.runtime.laws.eigen3 import raise_to_zero
 
@@ -51,11 +51,11 @@ def write_tangent(
         twist = (g[p] + g[q]) / np.maximum(s[p] + s[q], _OPPOSITE)
         if definite:
             flip, twist = np.maximum(flip, 0.0), np.maximum(twist, 0.0)
-        alphas[p, q] = alphas[q, p] = 0.5 * (flip + twist)
+        alphas[p, q] = 0.5 * (flip + twist)
         betas[p, q] = 0.5 * (flip - twist)
     if definite:
         H = raise_to_zero(H)
-    _write(out, U, V, _couplings(V, H, alphas, betas))
+    _write(out, U, _couplings(V, H, alphas, betas))
 
 
 def _couplings(
@@ -66,27 +66,27 @@ def _couplings(
 ) -> dict[tuple[int, int], Array]:
     """M^pr (3, 3, b), p ≤ r, of A_ijkl = Σ_pr U_ip U_kr (M^pr)_jl; M^rp is the transpose."""
     v = [V[:, p] for p in range(3)]
+    squares = [x[:, None] * x for x in v]
+    term = np.empty_like(V)
     result = {}
     for p, r in _PAIRS:
-        result[p, r] = outer(H[p, r] * v[p], v[r])
-        result[p, r] += outer(betas[p, r] * v[r], v[p])
+        both = v[p][:, None] * v[r]
+        result[p, r] = np.empty_like(V)
+        combined([both, transpose(both)], [H[p, r], betas[p, r]], result[p, r], term)
     for p in range(3):
-        weights = [H[p, p] if q == p else alphas[p, q] for q in range(3)]
-        result[p, p] = outer(weights[0] * v[0], v[0])
-        result[p, p] += outer(weights[1] * v[1], v[1])
-        result[p, p] += outer(weights[2] * v[2], v[2])
+        weights = [H[p, p] if q == p else alphas[min(p, q), max(p, q)] for q in range(3)]
+        result[p, p] = np.empty_like(V)
+        combined(squares, weights, result[p, p], term)
     return result
 
 
-def _write(out: Array, U: Array, V: Array, M: dict[tuple[int, int], Array]) -> None:
+def _write(out: Array, U: Array, M: dict[tuple[int, int], Array]) -> None:
     """A_ijkl = Σ_pr U_ip U_kr (M^pr)_jl, its half i ≤ k computed and the other copied."""
+    columns = [[M[p, r] if p <= r else transpose(M[r, p]) for p in range(3)] for r in range(3)]
+    rows, block, term = np.empty((3, *U.shape)), np.empty_like(U), np.empty_like(U)
     for i in range(3):
-        rows = [
-            sum(U[i, p] * (M[p, r] if p <= r else M[r, p].transpose(1, 0, 2)) for p in range(3))
-            for r in range(3)
-        ]
+        for r in range(3):
+            combined(columns[r], list(U[i]), rows[r], term)
         for k in range(i, 3):
-            block = rows[0] * U[k, 0]
-            block += rows[1] * U[k, 1]
-            block += rows[2] * U[k, 2]
+            combined(list(rows), list(U[k]), block, term)
             store_block(out, block, i, k)

@@ -39,6 +39,20 @@ def cell_springs(points: Array, cells: Integers, young: Array | float) -> Spring
     k = Σ_c w E_c V_c / L² over the cells c that hold the pair; w = 1 for the 6 edges of a
     tetrahedron, 1/10 for the 12 edges of a hexahedron and 2/5 for the 12 diagonals of its faces.
 
+    Under a uniform small strain ε springs of directions n store Σ k L² (n·ε n)²/2. The mean of
+    (n·ε n)² over all directions is ((tr ε)² + 2 ε:ε)/15, so that the network is the isotropic solid
+    with λ = μ = Σ k L²/(15 V); with E = 5μ/2 then Σ k L² = 6 E V, which the weights satisfy in each
+    cell. Poisson's ratio is 1/4, as always where central forces balance (Cauchy). A cube has these
+    moduli in all directions; tetrahedra only on the mean over their edges' directions, so that a
+    regular mesh is stiffer along some. Any cell has the right bulk modulus. For tetrahedra the
+    formula is that of Van Gelder, Approximate simulation of elastic membranes by triangulated
+    spring meshes, 1998; Lloyd, Szekely and Harders, Identification of spring parameters for
+    deformable object simulation, 2007, find 4 % less for a regular one.
+
+    Limits: small strains and moderate ones; a spring has no volume, so that a cell may turn inside
+    out without a force that turns it back; slivers give their long edges soft springs and their
+    short ones stiff springs, which bounds the step of explicit integrators.
+
     Args:
         points: (n, 3) corner nodes at rest [m].
         cells: (c, 4) or (c, 8) rows of ``points``, corners in the order of DOLFINx.

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -10,12 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo import fem
-from fenics_defo.energy import HyperelasticEnergy, NeoHookean, StVenantKirchhoff
+from fenics_defo.energy import (
+    Corotational,
+    HyperelasticEnergy,
+    Invertible,
+    MassSpring,
+    NeoHookean,
+    StVenantKirchhoff,
+)
 from fenics_defo.fem.compat import MPI, dolfinx
 from fenics_defo.fem.imported import MeshData, mesh_record
+from fenics_defo.fem.linalg import combine
+from fenics_defo.fem.linear_solvers import linear_solver
 from fenics_defo.fem.ranks import on_first_rank
+from fenics_defo.fem.surface_loads import PressureForm, surface_weights
 from tests.unit.fem.fem_bodies import (
     CELLS,
+    KINDS,
     MODULI,
     NEO,
     SVK,
@@ -74,6 +86,52 @@ def bodies() -> dict[str, dict[str, Array]]:
     mesh = source("tetrahedron", groups=usual_groups("tetrahedron"))
     found["two-laws"] = numbers(fem.Solid(mesh_of(mesh), {"left": NEO, "right": SVK}))
     return found
+
+
+def parts() -> dict[str, dict[str, Array]]:
+    """Laws at points, springs and UFL in one body; pressure; solvers; matrices filled in place."""
+    found = {}
+    for kind in KINDS:
+        mesh = source(kind, mapping=tapered, groups=usual_groups(kind))
+        young = 1e5 + np.arange(len(mesh.cells))
+        corotational = Corotational(**(MODULI | {"young": young}))
+        springs = MassSpring(young=1e5, density=1.2e3)
+        material = {"left": NEO, None: corotational, "middle": springs}
+        solid = fem.Solid(mesh_of(mesh), material, fixed=["root", fem.Fixed("9", "y")])
+        found[f"mixed-{kind}"] = numbers(solid) | loaded(solid)
+    mesh = source("tetrahedron", mapping=tapered, cells=(6, 3, 2))
+    solid = fem.Solid(mesh_of(mesh), Invertible(NEO), order=2, fixed=["x<1e-9"])
+    found["invertible"] = numbers(solid) | loaded(solid)
+    return found
+
+
+def loaded(solid: fem.Solid) -> dict[str, Array]:
+    """Forces and tangents of pressure, and solutions of each linear solver."""
+    local = solid.nodes.scatter(bend(solid))
+    form, assembly = PressureForm(solid, "z<0.2"), solid.assembly
+    K, M, total = assembly.empty_matrix(), assembly.mass.matrix(), assembly.empty_matrix()
+    force = assembly.linearise(K, local)
+    form.add_tangent(K, local, -50.0)
+    pressure = form.force(local, 50.0)
+    combine(total, K, 1.0, M, 1e4)
+    free = ~assembly.held
+    right = ((pressure - force) * free)[: assembly.owned].ravel()
+    found = {
+        "pressure": solid.nodes.gather_own(pressure),
+        "linearised": solid.nodes.gather_own(force),
+        "area": solid.nodes.gather_own(surface_weights(solid, "z<0.2")),
+        "combined": total.norm(),
+    }
+    for kind in ("cholesky", "pcg-jacobi", "pcg-amg"):
+        with closing(linear_solver(kind, assembly, tolerance=1e-13)) as solver:
+            for scale in (0.5, 1.0):  # the second time nothing is new but the numbers
+                combine(total, K, scale, M, 1e4)
+                solver.prepare(total)
+                solution = solver.solve(right).reshape(-1, 3)
+        found[f"solution-{kind}"] = solid.nodes.gather_own(solution)
+    for matrix in (K, M, total):
+        matrix.destroy()
+    return {name: on_all_ranks(value) for name, value in found.items()}
 
 
 def entities() -> dict[str, Array]:
@@ -157,7 +215,7 @@ def failures() -> dict[str, dict[str, Array]]:
 def everything() -> dict[str, Array]:
     """All of the above by flat names."""
     groups = {"entities": entities(), "one-cell": one_cell(), "file": node_file_of_rank_0()}
-    groups |= bodies() | failures()
+    groups |= bodies() | parts() | failures()
     return {f"{a}/{b}": value for a, values in groups.items() for b, value in values.items()}
 
 

@@ -39,8 +39,10 @@ def test_two_ranks_give_the_numbers_of_one(one: Numbers, two: Numbers) -> None:
         if name.endswith(EXACT):
             np.testing.assert_array_equal(other, value, err_msg=name)
         else:
-            scale = np.abs(value).max()
-            np.testing.assert_allclose(other, value, rtol=0.0, atol=1e-12 * scale, err_msg=name)
+            # Iterations on other ranks' blocks end elsewhere within their tolerance of 1e-13.
+            tolerance = 1e-9 if "/solution-" in name else 1e-12
+            scale = tolerance * np.abs(value).max()
+            np.testing.assert_allclose(other, value, rtol=0.0, atol=scale, err_msg=name)
 
 
 def test_both_ranks_hear_of_each_mistake(one: Numbers, two: Numbers) -> None:

@@ -57,7 +57,7 @@ def test_polar_rotation_leaves_a_symmetric_stretch(kind):
 
 @pytest.mark.parametrize("exponent", [-3, -6, -9])
 def test_polar_rotation_is_as_accurate_as_the_gap_of_the_stretches_allows(exponent):
-    """The rotation's condition number is s1/(s2 + s3): from both sides of the closed form's limit."""
+    """Its condition number is s1/(s2 + s3); from both sides of the closed form's limit."""
     gap = 10.0**exponent
     F = composed([[1.0, gap, gap / 3], [1.0, 0.5, gap - 0.5], [1.0, gap, 0.0], [1.0, 1.0, gap - 1]])
     U, _, Vt = np.linalg.svd(F)
