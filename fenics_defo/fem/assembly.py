@@ -15,7 +15,7 @@ from fenics_defo.fem.forms import BodyForms
 from fenics_defo.fem.jit import compiled
 from fenics_defo.fem.mass import ConsistentMass, Entries
 from fenics_defo.fem.parts import Part
-from fenics_defo.fem.ufl_part import UflPart, add_form
+from fenics_defo.fem.ufl_part import add_form
 
 Array = NDArray[np.float64]
 
@@ -92,9 +92,6 @@ class Assembly:
         rest = self.__dict__.get("_rest_tangent")
         if rest is not None and not self._unformed:
             return rest
-        match self._parts:
-            case (UflPart() as part,):
-                return part.tangent_form
         trial, test = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
         dx = ufl.Measure("dx", self._space.mesh, metadata={"quadrature_degree": 0})
         return compiled(ufl.inner(trial, test) * dx)

@@ -118,6 +118,16 @@ def add_blocks(positions: NDArray[np.int32], blocks: Array, values: Array) -> No
     )
 
 
+def inverse_blocks(blocks: Array) -> Array:
+    """Inverses (k, 3, 3) of blocks; not finite where there is none.
+
+    Ten times faster than NumPy's, which calls LAPACK for each.
+    """
+    inverses = np.empty_like(blocks)
+    _library().fenics_defo_invert_blocks(_long(len(blocks)), _doubles(blocks), _doubles(inverses))
+    return inverses
+
+
 def write_blocks(chosen: NDArray[np.int32], values: Array, target: Array, *, add: bool) -> None:
     """Copy the chosen blocks, or add them, to PETSc's (k, 9), which are stored column by column."""
     _library().fenics_defo_write_blocks(

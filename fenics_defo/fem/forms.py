@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import ufl
+from numpy.typing import NDArray
+from ufl.core.expr import Expr
 
-from fenics_defo.energy import Material, deformation_gradient
+from fenics_defo.energy import Material, deformation_gradient, tangent
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.material_fields import LawRegion, MaterialFields
 
@@ -70,13 +72,15 @@ class EnergyForms:
         displacement: the function u at which all are taken.
         energy: ∫ ψ(F(u)) dX [J].
         force: its derivative, the internal force f(u) [N].
-        tangent: the derivative of that, K(u) [N/m].
+        tangents: each law's cells and ∂²ψ/∂F² (3, 3, 3, 3) [Pa], from which K(u) comes.
+        degree: that all quadrature integrates exactly.
     """
 
     displacement: "dolfinx.fem.Function"
     energy: ufl.Form
     force: ufl.Form
-    tangent: ufl.Form
+    tangents: tuple[tuple[NDArray[np.int32], Expr], ...]
+    degree: int
 
 
 @dataclass(frozen=True)
@@ -130,18 +134,28 @@ def _energy_forms(
     space: "dolfinx.fem.FunctionSpace", parts: list[tuple[LawRegion, ufl.Measure]], degree: int
 ) -> EnergyForms | None:
     u = dolfinx.fem.Function(space, name="displacement")
-    F = deformation_gradient(u)
-    energies = [
-        region.material.strain_energy(F, region.parameters) * part(degree=degree)
+    F = ufl.variable(deformation_gradient(u))
+    mine = [
+        (region, region.material, part)
         for region, part in parts
         if isinstance(region.material, Material)
     ]
-    if not energies:
+    if not mine:
         return None
-    energy = sum(energies)
-    force = ufl.derivative(energy, u, ufl.TestFunction(space))
-    tangent = ufl.derivative(force, u, ufl.TrialFunction(space))
-    return EnergyForms(displacement=u, energy=energy, force=force, tangent=tangent)
+    energy = sum(
+        material.strain_energy(F, region.parameters) * part(degree=degree)
+        for region, material, part in mine
+    )
+    return EnergyForms(
+        displacement=u,
+        energy=energy,
+        force=ufl.derivative(energy, u, ufl.TestFunction(space)),
+        tangents=tuple(
+            (region.cells, tangent(material, F, parameters=region.parameters))
+            for region, material, _ in mine
+        ),
+        degree=degree,
+    )
 
 
 def _scalar_space(space: "dolfinx.fem.FunctionSpace") -> "dolfinx.fem.FunctionSpace":

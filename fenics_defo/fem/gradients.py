@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.errors import SolverError
 from fenics_defo.fem.assembly import Assembly
+from fenics_defo.fem.cell_kernels import inverse_blocks
 from fenics_defo.fem.linalg import OPTIONS_PREFIX, orthonormal_columns
 from fenics_defo.fem.petsc_blocks import block_values, mark_changed
 
@@ -111,11 +112,7 @@ class JacobiGradients(_Gradients):
         PETSc 3.25's own preconditioner of this kind keeps the blocks of the first matrix for ever
         if the pattern does not change, so the blocks are inverted here.
         """
-        blocks = self._assembly.diagonal_blocks(matrix)
-        try:
-            inverse = np.linalg.inv(blocks)
-        except np.linalg.LinAlgError:
-            inverse = np.full_like(blocks, np.nan)
+        inverse = inverse_blocks(self._assembly.diagonal_blocks(matrix))
         finite = bool(np.isfinite(inverse).all())
         if not self._assembly.comm.allreduce(finite, op=MPI.LAND):
             raise SolverError(

@@ -4,7 +4,14 @@ import platform
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import ufl
+from numpy.typing import NDArray
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+from ufl.algorithms.apply_derivatives import apply_derivatives
+from ufl.core.expr import Expr
+from ufl.corealg.map_dag import map_expr_dag
+from ufl.corealg.multifunction import MultiFunction
 
 from fenics_defo.fem.compat import dolfinx
 
@@ -42,4 +49,32 @@ def architecture() -> tuple[str, ...]:
 
 def compiled(form: ufl.Form) -> "dolfinx.fem.Form":
     """A form compiled, or found in DOLFINx's cache; collective."""
-    return dolfinx.fem.form(form, jit_options={"cffi_extra_compile_args": list(compiler_flags())})
+    return dolfinx.fem.form(form, jit_options=_options())
+
+
+def compiled_at_points(expression: Expr, points: NDArray[np.float64]) -> "dolfinx.fem.Expression":
+    """An expression without free indices at points (q, 3) of the reference cell; collective.
+
+    It must hold a function of the mesh it will be evaluated on, once it has been differentiated.
+    """
+    return dolfinx.fem.Expression(expression, points, jit_options=_options())
+
+
+def differentiated(expression: Expr) -> Expr:
+    """The expression with its derivatives carried out, and free of UFL's variables.
+
+    A variable is known by a running number, which becomes part of the name that FFCx keeps a
+    compiled expression by: with it, none would ever be found again.
+    """
+    return map_expr_dag(_WithoutVariables(), apply_derivatives(apply_algebra_lowering(expression)))
+
+
+class _WithoutVariables(MultiFunction):
+    expr = MultiFunction.reuse_if_untouched
+
+    def variable(self, _: Expr, content: Expr, __: Expr) -> Expr:
+        return content
+
+
+def _options() -> dict[str, object]:
+    return {"cffi_extra_compile_args": list(compiler_flags())}

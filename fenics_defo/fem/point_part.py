@@ -2,20 +2,16 @@
 
 from collections.abc import Iterator
 
-import basix
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.energy import PointLaw, PointResponse
 from fenics_defo.fem.block_matrix import BlockMatrix
-from fenics_defo.fem.cell_kernels import PointLoops
+from fenics_defo.fem.cell_points import BATCH, cell_points
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.material_fields import LawRegion
 
 Array = NDArray[np.float64]
-
-# Points evaluated at once: their tangents, 648 bytes each, then stay in the processor's cache.
-_BATCH = 2048
 
 
 class PointPart:
@@ -31,17 +27,16 @@ class PointPart:
         assert isinstance(region.material, PointLaw)
         self._law = region.material
         self._cells = region.cells[region.cells < space.mesh.topology.index_map(3).size_local]
-        reference, inverse, self._weights = _geometry(space, self._cells, degree)
-        self._points = len(reference)
-        self._nodes = np.ascontiguousarray(space.dofmap.list[self._cells])
-        self._loops = PointLoops(reference, inverse, self._weights, self._nodes)
+        quadrature = cell_points(space, self._cells, degree)
+        self._loops, self._weights = quadrature.loops, quadrature.weights
+        self._points = len(quadrature.points)
         dofs = next(iter(region.parameters.values())).function_space.dofmap.list[self._cells, 0]
         self._parameters = {
             name: np.repeat(field.x.array[dofs], self._points)
             for name, field in region.parameters.items()
         }
         self._positions: NDArray[np.int32] | None = None
-        self._batch = max(_BATCH // self._points, 1)
+        self._batch = max(BATCH // self._points, 1)
         self._gradients = np.empty((self._batch * self._points, 3, 3))
         self._responses: dict[bool, PointResponse] = {}
 
@@ -85,30 +80,3 @@ class PointPart:
             self._loops.add_tangents(some, answer.tangent, self._positions, blocks.values)
             if force is not None:
                 self._loops.add_forces(some, answer.stress, force)
-
-
-def _geometry(
-    space: "dolfinx.fem.FunctionSpace", cells: NDArray[np.int32], degree: int
-) -> tuple[Array, Array, Array]:
-    """Reference gradients (q, n, 3), J⁻¹ (c, q, 3, 3) and weights (c, q) of a quadrature rule.
-
-    The rule is the one that FFCx takes for forms of that degree.
-    """
-    mesh = space.mesh
-    kind = basix.CellType[mesh.topology.cell_name()]
-    points, weights = basix.make_quadrature(kind, degree)
-    corners = mesh.geometry.x[mesh.geometry.dofmaps[0][cells]]
-    map_gradients = _gradients(kind, mesh.geometry.cmaps[0].degree, points)
-    jacobian = np.einsum("cnk,qnl->cqkl", corners, map_gradients, optimize=True)
-    inverse = np.linalg.inv(jacobian)
-    scaled = np.abs(np.linalg.det(jacobian)) * weights
-    reference = _gradients(kind, space.element.basix_element.degree, points)
-    return reference, np.ascontiguousarray(inverse), np.ascontiguousarray(scaled)
-
-
-def _gradients(kind: basix.CellType, order: int, points: Array) -> Array:
-    """Gradients (q, n, 3) of Lagrange's functions at points (q, 3) of the reference cell."""
-    element = basix.create_element(
-        basix.ElementFamily.P, kind, order, basix.LagrangeVariant.gll_warped
-    )
-    return np.moveaxis(element.tabulate(1, points)[1:, :, :, 0], 0, 2)

@@ -4,12 +4,15 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from ufl.algorithms import extract_coefficients
+from ufl.core.expr import Expr
 
 from fenics_defo.fem.block_matrix import BlockMatrix
 from fenics_defo.fem.cell_kernels import add_kernel
+from fenics_defo.fem.cell_points import BATCH, cell_points
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.forms import EnergyForms
-from fenics_defo.fem.jit import compiled
+from fenics_defo.fem.jit import compiled, compiled_at_points, differentiated
 
 Array = NDArray[np.float64]
 _CELL = dolfinx.fem.IntegralType.cell
@@ -34,9 +37,10 @@ class UflPart:
         return compiled(self._forms.force)
 
     @cached_property
-    def tangent_form(self) -> "dolfinx.fem.Form":
-        """K(u), compiled."""
-        return compiled(self._forms.tangent)
+    def _tangents(self) -> "list[_LawTangent]":
+        degree = self._forms.degree
+        space = self._forms.displacement.function_space
+        return [_LawTangent(space, *each, degree) for each in self._forms.tangents]
 
     def _deform(self, local: Array) -> None:
         self._forms.displacement.x.array[:] = local.ravel()
@@ -54,9 +58,57 @@ class UflPart:
     def add_tangent(self, local: Array, blocks: BlockMatrix, force: Array | None) -> None:
         """Add this rank's share of the tangent, and of the force where an array is given for it."""
         self._deform(local)
-        add_form(self.tangent_form, blocks)
+        for tangent in self._tangents:
+            tangent.add(blocks)
         if force is not None:
             dolfinx.fem.assemble_vector(force.reshape(-1), self._force)
+
+
+class _LawTangent:
+    """∫ ∇v : ∂²ψ/∂F² : ∇u dX of one law.
+
+    FFCx's kernel for this bilinear form takes twice as long, and longer to compile: here it gives
+    ∂²ψ/∂F² at the points only, and the products with the gradients are the same for all laws.
+
+    Args:
+        space: displacement space.
+        cells: the law's.
+        modulus: ∂²ψ/∂F².
+        degree: that the quadrature integrates exactly.
+    """
+
+    def __init__(
+        self,
+        space: "dolfinx.fem.FunctionSpace",
+        cells: NDArray[np.int32],
+        modulus: Expr,
+        degree: int,
+    ) -> None:
+        self._mesh = space.mesh
+        self._cells = cells[cells < space.mesh.topology.index_map(3).size_local]
+        quadrature = cell_points(space, self._cells, degree)
+        self._loops = quadrature.loops
+        modulus = differentiated(modulus)
+        if not extract_coefficients(modulus):
+            # DOLFINx learns from a coefficient what mesh an expression belongs to.
+            one = dolfinx.fem.Function(dolfinx.fem.functionspace(space.mesh, ("DG", 0)))
+            one.x.array[:] = 1.0
+            modulus = one * modulus
+        self._modulus = compiled_at_points(modulus, quadrature.points)
+        count = len(quadrature.points)
+        self._batch = max(BATCH // count, 1)
+        self._values = np.empty((self._batch, count, 3, 3, 3, 3))
+        self._positions: NDArray[np.int32] | None = None
+
+    def add(self, blocks: BlockMatrix) -> None:
+        """Add this rank's share at the present displacement."""
+        if self._positions is None:
+            self._positions = np.ascontiguousarray(blocks.positions[self._cells])
+        for begin in range(0, len(self._cells), self._batch):
+            some = slice(begin, min(begin + self._batch, len(self._cells)))
+            cells = self._cells[some]
+            values = self._modulus.eval(self._mesh, cells, self._values[: len(cells)])
+            self._loops.add_tangents(some, values, self._positions, blocks.values)
 
 
 def add_form(form: "dolfinx.fem.Form", blocks: BlockMatrix) -> None:

@@ -183,6 +183,27 @@ void fenics_defo_add_blocks(int64_t count, const int32_t *positions, const doubl
       values[9 * (int64_t)positions[e] + m] += blocks[9 * e + m];
 }
 
+/* Inverses of 3x3 blocks by their cofactors; not finite where there is none. */
+void fenics_defo_invert_blocks(int64_t count, const double *blocks, double *inverses)
+{
+  for (int64_t e = 0; e < count; ++e) {
+    const double *m = blocks + 9 * e;
+    double *out = inverses + 9 * e;
+    const double x = m[4] * m[8] - m[5] * m[7], y = m[5] * m[6] - m[3] * m[8],
+                 z = m[3] * m[7] - m[4] * m[6];
+    const double scale = 1.0 / (m[0] * x + m[1] * y + m[2] * z);
+    out[0] = scale * x;
+    out[1] = scale * (m[2] * m[7] - m[1] * m[8]);
+    out[2] = scale * (m[1] * m[5] - m[2] * m[4]);
+    out[3] = scale * y;
+    out[4] = scale * (m[0] * m[8] - m[2] * m[6]);
+    out[5] = scale * (m[2] * m[3] - m[0] * m[5]);
+    out[6] = scale * z;
+    out[7] = scale * (m[1] * m[6] - m[0] * m[7]);
+    out[8] = scale * (m[0] * m[4] - m[1] * m[3]);
+  }
+}
+
 /* Copy blocks, or add them, to PETSc's, which are stored column by column. */
 void fenics_defo_write_blocks(int64_t count, const int32_t *from, const double *values, int add,
                               double *target)

@@ -224,6 +224,17 @@ def test_what_is_not_finite_is_refused(kind: Kind) -> None:
         assert np.isfinite(solver.solve(load(solid))).all()
 
 
+def test_a_node_without_stiffness_is_told() -> None:
+    solid = clamped()
+    matrix = solid.assembly.empty_matrix()
+    with (
+        closing(linear_solver("pcg-jacobi", solid.assembly)) as solver,
+        pytest.raises(SolverError, match="a node has no stiffness"),
+    ):
+        solver.prepare(matrix)
+    matrix.destroy()
+
+
 def test_iterations_have_a_limit() -> None:
     solid = clamped()
     with (
