@@ -13,10 +13,10 @@ from fenics_defo.analysis.histories import History
 from fenics_defo.analysis.inertia_operators import Mass
 from fenics_defo.analysis.loads import Gravity, Impulse, Load, PointLoad, Pressure, Traction
 from fenics_defo.analysis.point_location import Place, locate_node, locate_point
-from fenics_defo.analysis.surface_forms import PressureForm, surface_weights
 from fenics_defo.errors import LoadError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.regions import select_nodes
+from fenics_defo.fem.surface_loads import PressureForm, surface_weights
 
 Array = NDArray[np.float64]
 
@@ -93,14 +93,22 @@ class AppliedLoads:
                 total += form.force(local, amount)[: self._shape[0]]
         return total
 
-    def subtract_tangent(
-        self, matrix: PETSc.Mat, time: float, local: Array, diagonal: float
+    def add_tangent(
+        self, matrix: PETSc.Mat, time: float, local: Array, *, factor_of_all: float, symmetric: bool
     ) -> None:
-        """Subtract the derivative of the forces from a matrix whose held rows have a diagonal."""
+        """Add a multiple of the derivative of the forces to a matrix; collective.
+
+        Args:
+            matrix: from `Assembly.empty_matrix`.
+            time: [s].
+            local: displacement (d, 3) [m].
+            factor_of_all: -1 for a stiffness.
+            symmetric: only its symmetric part.
+        """
         for load, form in self._pressures:
             amount = load.value * factor(load.history, time)
             if amount != 0.0:
-                form.add_tangent(matrix, local, -amount, diagonal=diagonal)
+                form.add_tangent(matrix, local, factor_of_all * amount, symmetric=symmetric)
 
     def _momentum(self, impulse: Impulse) -> Array:
         if impulse.region is None:

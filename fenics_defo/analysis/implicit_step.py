@@ -117,7 +117,7 @@ class ImplicitStep:
     def _newton(self, residuals: list[float], *, search: bool) -> Instant:
         system, newton = self._system, self._system.settings.newton
         u, self._to_come = self._start.displacement, system.constraints.moving
-        system.fill_tangent(u)
+        system.linearise(u)
         balance = self._balance(u)
         self._first_scale = balance.scale
         residuals.append(_ratio(balance.size, balance.scale))
@@ -127,7 +127,7 @@ class ImplicitStep:
                 return self._end(u, balance)
             direction = self._direction(u, balance)
             u = self._moved(u, direction, balance, search=search and not self._to_come)
-            system.fill_tangent(u)
+            system.linearise(u)
             balance = self._balance(u)
             residuals.append(_ratio(balance.size, balance.scale))
             if not balance.size <= _HOPELESS * max(self._first_scale, balance.scale):
@@ -147,10 +147,7 @@ class ImplicitStep:
             v[at], a[at] = self._rates
         internal = system.internal_force(u)
         external = system.external_force(self._time, u)
-        damping = system.mass_damping(v)
-        beta = system.settings.damping[1]
-        if beta:
-            damping += beta * system.tangents.stiffness_times(v)
+        damping = self._damping(u, v)
         residual = damping + internal
         residual -= external
         inertia = system.mass.apply(a) if rule.acceleration_rate > 0.0 else None
@@ -162,6 +159,13 @@ class ImplicitStep:
         return _Balance(
             v, a, internal, external, damping, residual, float(size), float(np.max(norms))
         )
+
+    def _damping(self, u: Array, v: Array) -> Array:
+        system, part = self._system, self._rule.velocity_part
+        if u is self._start.displacement and part is not None and self._rates is None:
+            return part * system.forces(self._start).damping
+        damping, beta = system.mass_damping(v), system.settings.damping[1]
+        return damping + beta * system.tangents.stiffness_times(v) if beta else damping
 
     def _squares(self, *fields: Array) -> Array:
         own = np.array([np.vdot(field, field) for field in fields])
@@ -200,7 +204,12 @@ class ImplicitStep:
         system.newton_iterations += 1
         try:
             system.tangents.prepare(scale, mass_scale, system.loads, self._time, local)
-            direction, iterations = system.tangents.solve(right_side)
+            if follows and system.settings.newton.iterations is None:
+                direction, iterations = system.tangents.solve_unsymmetric(
+                    right_side, system.loads, self._time, local
+                )
+            else:
+                direction, iterations = system.tangents.solve(right_side)
         except SolverError as error:
             raise StepFailure(str(error)) from error
         system.linear_iterations += iterations
@@ -220,7 +229,8 @@ class ImplicitStep:
             trial = u + length * direction
             if self._to_come and length == 1.0:  # without the round-off of the sum
                 system.with_prescribed(self._time, trial)
-            if not system.is_finite(system.internal_force(trial)):
+            force = system.internal_force(trial) if search else system.linearise(trial)
+            if not system.is_finite(force):
                 length *= 0.5
                 continue
             ahead = system.product(direction, self._balance(trial).residual) if search else 0.0

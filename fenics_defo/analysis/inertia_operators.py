@@ -34,6 +34,7 @@ class LumpedMass:
     def __init__(self, assembly: Assembly) -> None:
         #: (owned nodes, 1) [kg].
         self.nodes: Array = assembly.lumped_mass()[: assembly.owned, None]
+        self._known: tuple[NDArray[np.bool_], Array] | None = None
 
     def apply(self, field: Array) -> Array:
         """M times a field (owned nodes, 3)."""
@@ -41,7 +42,9 @@ class LumpedMass:
 
     def solve(self, momentum: Array, free: NDArray[np.bool_]) -> Array:
         """The field (owned nodes, 3), zero where not free, with M field = momentum where free."""
-        return np.where(free, momentum / self.nodes, 0.0)
+        if self._known is None or self._known[0] is not free:
+            self._known = (free, np.where(free, 1.0 / self.nodes, 0.0))
+        return self._known[1] * momentum
 
 
 class ConsistentMassOperator:

@@ -51,12 +51,15 @@ class Rule:
         velocity_rate: [1/s].
         acceleration: (owned nodes, 3) [m/s²].
         velocity: (owned nodes, 3) [m/s].
+        velocity_part: c if ``velocity`` is c times the velocity at the start, which spares a
+            product with the damping; None if it is not.
     """
 
     acceleration_rate: float
     velocity_rate: float
     acceleration: Array
     velocity: Array
+    velocity_part: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

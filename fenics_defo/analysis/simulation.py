@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from fenics_defo.analysis.frequency_bound import largest_frequency
 from fenics_defo.analysis.implicit_step import NewtonSettings
 from fenics_defo.analysis.initial import Initial
-from fenics_defo.analysis.instant import Instant, StepFailure
+from fenics_defo.analysis.instant import Forces, Instant, StepFailure
 from fenics_defo.analysis.integrators.integrator import Integrator
 from fenics_defo.analysis.integrators.quasi_static import QuasiStatic
 from fenics_defo.analysis.loads import Load
@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 
 # Steps of an explicit method after which its limit is looked at again: a stretched body is stiffer.
 _LIMIT_EVERY = 256
+# Steps after which it is looked at whether the motion grows by itself: cheap.
+_GROWTH_EVERY = 4
 
 
 class Simulation:
@@ -208,8 +210,7 @@ class Simulation:
             StepSizeError: an explicit method's limit has fallen below the step.
         """
         if self._since_origin and self._since_origin % _LIMIT_EVERY == 0:
-            self._critical = None
-            self._check_limit()
+            self._look_again()
         system = self._system
         system.reset_counters()
         self._substeps: list[Substep] = []
@@ -314,10 +315,35 @@ class Simulation:
         system = self._system
         self._before = system.forces(start)
         reached = self.integrator.advance(system, start, length)
-        forces = system.forces(reached)
-        if not system.is_finite(forces.internal + forces.damping):
+        after = system.forces(reached)
+        forces = after.internal + after.damping if system.is_damped else after.internal
+        if not system.is_finite(forces):
             raise StepFailure("the forces became infinite or no number", system.residuals)
+        wanted = self.integrator.explicit and not self._allow_unstable
+        if wanted and self._since_origin % _GROWTH_EVERY == 0:
+            self._check_growth(start, reached, after)
         return reached
+
+    def _check_growth(self, start: Instant, reached: Instant, after: Forces) -> None:
+        """Look at an explicit method's limit again once the motion itself is beyond it.
+
+        A mode that grows soon rules the motion, and then Δu·Δf / Δu·MΔu is its ω².
+        """
+        system = self._system
+        change = reached.displacement - start.displacement
+        stiff = system.product(change, after.internal - self._before.internal)
+        heavy = system.product(change, system.mass.apply(change))
+        squared = stiff / heavy if heavy > 0.0 else 0.0
+        damping = system.settings.damping
+        if squared > 0.0 and (
+            self.integrator.critical_step(math.sqrt(squared), damping) < self.step
+        ):
+            self._look_again()
+
+    def _look_again(self) -> None:
+        if not self._allow_unstable:
+            self._critical = None
+            self._check_limit()
 
     def _keep(self, start: Instant, reached: Instant) -> None:
         self._work.add_step(start, reached, self._before, self._system.forces(reached))

@@ -151,6 +151,7 @@ class Equilibrium:
         iterations: linear solves in all.
         definite: whether the last tangent that was factorised was positive definite, as it is near
             a stable equilibrium; None if the solver cannot tell.
+        inverted_cells: number of cells that are inside out at one of their corners at least.
     """
 
     displacement: Array
@@ -160,3 +161,4 @@ class Equilibrium:
     residuals: tuple[tuple[float, ...], ...]
     iterations: int
     definite: bool | None
+    inverted_cells: int

@@ -1,5 +1,6 @@
 """Static equilibrium under loads: f(u) = g(u)."""
 
+import logging
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from fenics_defo.analysis.applied_loads import as_loads
 from fenics_defo.analysis.histories import Ramp
 from fenics_defo.analysis.initial import Initial
 from fenics_defo.analysis.integrators import QuasiStatic
+from fenics_defo.analysis.inversion import count_inverted
 from fenics_defo.analysis.loads import Impulse, Load
 from fenics_defo.analysis.prescribed import Prescribed
 from fenics_defo.analysis.simulation import Simulation
@@ -16,6 +18,8 @@ from fenics_defo.analysis.states import Equilibrium, Substep
 from fenics_defo.errors import DivergenceError, LoadError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.linear_solvers import Kind
+
+_log = logging.getLogger(__name__)
 
 
 def static_equilibrium(
@@ -83,14 +87,21 @@ def static_equilibrium(
                 iterations += report.newton_iterations
         except DivergenceError as error:
             raise _not_found(error) from error
+        displacement = simulation.state.displacement
+        inverted = count_inverted(solid, displacement)
+        if inverted:
+            _log.warning(
+                "%d cells are inside out in this equilibrium: the law does not resist it", inverted
+            )
         return Equilibrium(
-            displacement=simulation.state.displacement,
+            displacement=displacement,
             reactions=simulation.reactions(),
             strain_energy=simulation.energies.strain,
             load_factors=tuple(substep.time for substep in substeps),
             residuals=tuple(substep.residuals for substep in substeps),
             iterations=iterations,
             definite=simulation.definite,
+            inverted_cells=inverted,
         )
 
 

@@ -58,8 +58,8 @@ def _divergence(time: float, step: float, part: float, failure: StepFailure) -> 
     halved = f", nor one of {step * part:.3g} s" if part < 1.0 else ""
     return DivergenceError(
         f"no step of {step:.6g} s was found at {time:.6g} s{halved}: {failure.reason}{said}. "
-        "The state at that time stands; try a smaller step, newton=None, more damping, backward "
-        "Euler, or smaller loads",
+        "The state at that time stands; try a smaller step, more damping, BackwardEuler, smaller "
+        "loads, or of newton=1 and newton=None the other",
         time=time,
         step=step * part,
         residuals=failure.residuals,

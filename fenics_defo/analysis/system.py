@@ -83,9 +83,12 @@ class System:
         self.newton_iterations = self.linear_iterations = 0
         #: Relative residuals of the last implicit step.
         self.residuals: tuple[float, ...] = ()
+        #: A field of zeros that nobody writes to.
+        self.zero: Array = np.zeros((self.owned, 3))
+        self.zero.setflags(write=False)
         self._ghosted = dolfinx.la.vector(solid.space.dofmap.index_map, 3)
         self._internal: tuple[Array, Array] | None = None
-        self._viscous: tuple[Array, Array] | None = None
+        self._viscous: tuple[Array, Array, Array] | None = None
         self._forces: tuple[Instant, Forces] | None = None
 
     @cached_property
@@ -93,6 +96,11 @@ class System:
         """Matrices, allocated on first use."""
         settings = self.settings
         return Tangents(self.solid, self.constraints, settings.linear, settings.linear_tolerance)
+
+    @property
+    def is_damped(self) -> bool:
+        """Whether there is any damping."""
+        return any(self.settings.damping)
 
     def reset_counters(self) -> None:
         """Count iterations from zero again."""
@@ -138,24 +146,28 @@ class System:
     def mass_damping(self, velocity: Array) -> Array:
         """α M v."""
         alpha = self.settings.damping[0]
-        return alpha * self.mass.apply(velocity) if alpha else np.zeros_like(velocity)
+        return alpha * self.mass.apply(velocity) if alpha else self.zero
 
-    def fill_tangent(self, displacement: Array) -> None:
-        """Fill the tangent at a displacement, unless it is."""
+    def linearise(self, displacement: Array) -> Array:
+        """Internal force f(u), with the tangent filled there; laws at points give both at once."""
         if self.tangents.filled_at is not displacement:
-            self.tangents.fill(displacement, self.local(displacement))
+            force = self.tangents.fill(displacement, self.local(displacement))[: self.owned]
+            self._internal = (displacement, force)
+        return self.internal_force(displacement)
 
     def stiffness_damping(self, displacement: Array, velocity: Array) -> Array:
         """β K(u) v; implicit methods have filled K, explicit ones take a difference of forces."""
         beta = self.settings.damping[1]
         if not beta:
-            return np.zeros_like(velocity)
+            return self.zero
         if not self.settings.explicit:
-            self.fill_tangent(displacement)
+            self.linearise(displacement)
             return beta * self.tangents.stiffness_times(velocity)
-        if self._viscous is None or self._viscous[0] is not displacement:
-            self._viscous = (displacement, beta * self._force_along(displacement, velocity))
-        return self._viscous[1]
+        known = self._viscous
+        if known is None or known[0] is not displacement or known[1] is not velocity:
+            force = beta * self._force_along(displacement, velocity)
+            known = self._viscous = (displacement, velocity, force)
+        return known[2]
 
     def _force_along(self, displacement: Array, velocity: Array) -> Array:
         """K(u) v as (f(u + s v) - f(u)) / s."""
@@ -174,19 +186,21 @@ class System:
             return self._forces[1]
         u, v = instant.displacement, instant.velocity
         if not self.settings.explicit:
-            self.fill_tangent(u)
+            self.linearise(u)
         internal, external = self.internal_force(u), self.external_force(instant.time, u)
-        damping = self.mass_damping(v) + self.stiffness_damping(u, v)
+        damping = self.zero
+        if self.is_damped:
+            damping = self.mass_damping(v) + self.stiffness_damping(u, v)
         return self.remember(instant, internal, external, damping)
 
     def remember(
         self, instant: Instant, internal: Array, external: Array, damping: Array
     ) -> Forces:
         """Keep the forces at an instant for those who ask next, with the reactions there."""
-        reaction = np.zeros_like(internal)
+        reaction = self.zero
         if self.constraints.moving:
             balance = self.mass.apply(instant.acceleration) + damping + internal - external
-            np.copyto(reaction, balance, where=self.constraints.prescribed)
+            reaction = np.where(self.constraints.prescribed, balance, 0.0)
         forces = Forces(internal, external, damping, reaction)
         self._forces = (instant, forces)
         return forces
@@ -212,7 +226,8 @@ class System:
         """
         alpha = self.settings.damping[0]
         force = self.external_force(time, displacement) - self.internal_force(displacement)
-        force -= self.stiffness_damping(displacement, velocity)
+        if self.settings.damping[1]:
+            force -= self.stiffness_damping(displacement, velocity)
         acceleration = self.mass.solve(force, self.free)
         if alpha:
             acceleration -= np.where(self.free, alpha * velocity, 0.0)
@@ -245,7 +260,7 @@ class System:
         if self.constraints.moving:
             at = self.constraints.prescribed
             velocity[at], acceleration[at] = self.constraints.rates(time, step)
-        for field, name in ((displacement, "displacements"), (velocity, "velocities")):
-            if not self.is_finite(field):
-                raise StepFailure(f"the {name} became infinite or no number")
+        squares = float(np.vdot(displacement, displacement) + np.vdot(velocity, velocity))
+        if not np.isfinite(self.comm.allreduce(squares)):
+            raise StepFailure("the displacements or velocities became infinite or no number")
         return Instant(time, displacement, velocity, acceleration)

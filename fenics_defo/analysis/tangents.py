@@ -5,12 +5,17 @@ from numpy.typing import NDArray
 
 from fenics_defo.analysis.applied_loads import AppliedLoads
 from fenics_defo.analysis.constraints import Constraints
+from fenics_defo.analysis.minimal_residual import minimal_residual
 from fenics_defo.fem import Solid
 from fenics_defo.fem.compat import PETSc
 from fenics_defo.fem.linalg import combine
 from fenics_defo.fem.linear_solvers import Kind, linear_solver
 
 Array = NDArray[np.float64]
+
+# Newton's method gains nothing from a direction that is better.
+_SKEW_TOLERANCE = 1e-7
+_SKEW_PRODUCTS = 30
 
 
 class Tangents:
@@ -39,17 +44,18 @@ class Tangents:
             mine = np.flatnonzero(constraints.prescribed.ravel())
             self._rows = (first + mine).astype(PETSc.IntType)
             bound = self._assembly.with_held(solid.nodes.scatter(constraints.bound))
+        self._comm, self._free = solid.comm, constraints.free
+        self._follower: PETSc.Mat | None = None
         self._solver = linear_solver(linear, bound, tolerance=tolerance)
         #: Displacement at which K is filled.
         self.filled_at: Array | None = None
 
-    def fill(self, displacement: Array, local: Array) -> None:
-        """Fill K at a displacement (owned nodes, 3), with ghosts ``local`` (d, 3)."""
-        if self.filled_at is displacement:
-            return
+    def fill(self, displacement: Array, local: Array) -> Array:
+        """Fill K at a displacement (owned nodes, 3), with ghosts ``local`` (d, 3); returns f."""
         self.filled_at = None
-        self._assembly.fill_tangent(self._stiffness, local)
+        force = self._assembly.linearise(self._stiffness, local)
         self.filled_at = displacement
+        return force
 
     def stiffness_times(self, field: Array) -> Array:
         """K times a field (owned nodes, 3); of held components, the field itself."""
@@ -65,14 +71,14 @@ class Tangents:
     def prepare(
         self, scale: float, mass_scale: float, loads: AppliedLoads, time: float, local: Array
     ) -> None:
-        """Make ``scale`` K + ``mass_scale`` M - dg/du ready for `solve`.
+        """Make the symmetric part of ``scale`` K + ``mass_scale`` M - dg/du ready for `solve`.
 
         Raises:
             SolverError: it is singular or not finite, or memory ran out.
         """
         combine(self._effective, self._stiffness, scale, self._mass, mass_scale)
         if loads.follows:
-            loads.subtract_tangent(self._effective, time, local, scale)
+            loads.add_tangent(self._effective, time, local, factor_of_all=-1.0, symmetric=True)
         if self._rows is not None:
             self._effective.zeroRowsColumns(self._rows, diag=scale)
         self._solver.prepare(self._effective)
@@ -86,6 +92,43 @@ class Tangents:
         solution = self._solver.solve(right_side.ravel()).reshape(-1, 3)
         return solution, self._solver.iterations
 
+    def solve_unsymmetric(
+        self, right_side: Array, loads: AppliedLoads, time: float, local: Array
+    ) -> tuple[Array, int]:
+        """As `solve`, with the skew part of dg/du too, which a pressure has where its surface ends.
+
+        GMRES, preconditioned by what `prepare` made ready.
+        """
+        if self._follower is None:
+            self._follower = self._assembly.empty_matrix()
+            for option in (PETSc.Mat.Option.SYMMETRY_ETERNAL, PETSc.Mat.Option.SYMMETRIC):
+                self._follower.setOption(option, False)
+        follower = self._follower
+        follower.zeroEntries()
+        loads.add_tangent(follower, time, local, factor_of_all=0.5, symmetric=False)
+        free, total = self._free, 0
+
+        def operate(field: Array) -> Array:
+            nonlocal total
+            self._given.array[:] = field.ravel()
+            follower.mult(self._given, self._product)
+            skew = np.array(self._product.array)
+            follower.multTranspose(self._given, self._product)
+            skew -= self._product.array
+            correction, iterations = self.solve(np.where(free, skew.reshape(-1, 3), 0.0))
+            total += iterations
+            return field - correction
+
+        begin, total = self.solve(right_side)
+        found = minimal_residual(
+            operate,
+            begin,
+            product=lambda one, other: float(self._comm.allreduce(float(np.vdot(one, other)))),
+            tolerance=_SKEW_TOLERANCE,
+            most=_SKEW_PRODUCTS,
+        )
+        return found, total
+
     @property
     def definite(self) -> bool | None:
         """Whether the last matrix was positive definite; None if the solver cannot tell."""
@@ -95,5 +138,6 @@ class Tangents:
     def close(self) -> None:
         """Free the matrices; collective."""
         self._solver.close()
-        for thing in (self._stiffness, self._mass, self._effective, self._given, self._product):
+        things = [self._stiffness, self._mass, self._effective, self._given, self._product]
+        for thing in things if self._follower is None else [*things, self._follower]:
             thing.destroy()

@@ -36,13 +36,17 @@ class Work:
 
     def add_step(self, start: Instant, end: Instant, before: Forces, after: Forces) -> None:
         """Count a step that was done, with the forces at its start and its end."""
-        system, w = self._system, self._end_weight
+        system = self._system
         change = end.displacement - start.displacement
-        outer = w * (after.external + after.reaction)
-        outer += (1.0 - w) * (before.external + before.reaction)
-        self.external += system.product(change, outer)
-        viscous = w * after.damping + (1.0 - w) * before.damping
-        self.dissipated += system.product(change, viscous)
+        self.external += self._along(change, before.external, after.external)
+        if system.constraints.moving:
+            self.external += self._along(change, before.reaction, after.reaction)
+        if system.is_damped:
+            self.dissipated += self._along(change, before.damping, after.damping)
+
+    def _along(self, change: Array, before: Array, after: Array) -> float:
+        w = self._end_weight
+        return self._system.product(change, w * after + (1.0 - w) * before)
 
     def add_blow(self, momentum: Array, before: Array, after: Array) -> None:
         """Count an impulse (owned nodes, 3) [N s] by the velocities before and after it."""

@@ -45,5 +45,6 @@ class BackwardEuler:
                 velocity_rate=1.0 / step,
                 acceleration=start.velocity * (-1.0 / step),
                 velocity=np.zeros_like(start.velocity),
+                velocity_part=0.0,
             ),
         )

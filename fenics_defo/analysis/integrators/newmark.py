@@ -58,6 +58,9 @@ class ImplicitNewmark:
         """The motion ``step`` [s] after ``start``; collective."""
         v, a = start.velocity, start.acceleration
         rate = 1.0 / (self.beta * step**2)
+        ratio = self.gamma / self.beta
+        # The accelerations cancel where gamma = 2 beta, as with average acceleration.
+        part = 1.0 - ratio if self.gamma == 2.0 * self.beta else None
         rest = v * (-1.0 / (self.beta * step)) - a * (0.5 / self.beta - 1.0)
         return system.solve(
             start,
@@ -66,6 +69,7 @@ class ImplicitNewmark:
                 acceleration_rate=rate,
                 velocity_rate=self.gamma * step * rate,
                 acceleration=rest,
-                velocity=v + step * ((1.0 - self.gamma) * a + self.gamma * rest),
+                velocity=(1.0 - ratio) * v + (step * (1.0 - 0.5 * ratio)) * a,
+                velocity_part=part,
             ),
         )

@@ -37,6 +37,10 @@ class QuasiStatic:
         """The equilibrium under the loads ``step`` [s] after ``start``; collective."""
         nothing = np.zeros_like(start.velocity)
         rule = Rule(
-            acceleration_rate=0.0, velocity_rate=0.0, acceleration=nothing, velocity=nothing
+            acceleration_rate=0.0,
+            velocity_rate=0.0,
+            acceleration=nothing,
+            velocity=nothing,
+            velocity_part=0.0,
         )
         return system.solve(start, step, rule)
