@@ -1,6 +1,5 @@
 """Cells computed in processes that may hang or crash without taking the map with them."""
 
-import logging
 import multiprocessing
 import time
 import warnings
@@ -12,9 +11,8 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 
 from workflows.stability_map.cases import Case, Cell
+from workflows.stability_map.hearing import listen
 from workflows.stability_map.outcomes import Kind, Measured, Outcome, outcome_of
-
-_LOG = "fenics_defo"
 
 
 def run(cases: Sequence[Case], *, jobs: int, told: Callable[[Cell], None]) -> list[Cell]:
@@ -103,18 +101,6 @@ class _Worker:
         self._process = self._pipe = None
 
 
-class _Heard(logging.Handler):
-    """Keeps the first warning that the program logs."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.first = ""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keep it."""
-        self.first = self.first or record.getMessage()
-
-
 def _serve(pipe: Connection) -> None:
     """Compute what comes through the pipe until it closes."""
     pipe.send("ready")
@@ -125,15 +111,12 @@ def _serve(pipe: Connection) -> None:
 
 def _observed(compute: Callable[[], Measured]) -> Outcome:
     """A cell's outcome, with what was logged or warned of meanwhile."""
-    heard, logger = _Heard(), logging.getLogger(_LOG)
-    logger.addHandler(heard)
-    try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            outcome = outcome_of(compute)
-    finally:
-        logger.removeHandler(heard)
+    with listen() as said, warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        outcome = outcome_of(compute)
     notes = [outcome.message] if outcome.message else []
-    notes += [f"said: {heard.first}"] if heard.first else []
+    # That a tangent was indefinite is news of a step on the way, not of the result.
+    told = sorted(said, key=lambda message: "negative eigenvalue" in message)
+    notes += [f"said: {told[0]}"] if told else []
     notes += [f"Python warned: {caught[0].message}"] if caught else []
     return replace(outcome, message="; ".join(notes))
