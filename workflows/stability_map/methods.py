@@ -30,7 +30,6 @@ METHODS = {
     "Newmark, 1 iteration": Method(analysis.ImplicitNewmark()),
     "Newmark, converged": Method(analysis.ImplicitNewmark(), None),
     "Newmark γ 0.6, converged": Method(analysis.ImplicitNewmark(beta=0.3025, gamma=0.6), None),
-    "backward Euler, 1 iteration": Method(analysis.BackwardEuler()),
     "backward Euler, converged": Method(analysis.BackwardEuler(), None),
     "central differences": Method(analysis.CentralDifferences()),
     "symplectic Euler": Method(analysis.SymplecticEuler()),
