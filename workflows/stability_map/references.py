@@ -76,11 +76,14 @@ def oscillator(integrator: analysis.Integrator, omega: float, step: float, count
 
 
 def fine_motion(
-    solid: fem.Solid, velocity: Array, times: Array, *, lumped: bool, displacement: Array | None
-) -> Array:
-    """Displacements (t, n, 3) at ascending times, by Dormand and Prince's method of order 8.
+    solid: fem.Solid, velocity: Array, until: float, *, lumped: bool
+) -> Callable[[Array], Array]:
+    """Motion from rest with a velocity (n, 3), by Dormand and Prince's method of order 8.
 
     The time integration is SciPy's; only the forces f(u) are the package's.
+
+    Returns:
+        displacements (t, n, 3) at times (t,) not after ``until``.
     """
     free = ~solid.held.ravel()
     inverse = _inverse_mass(solid, free, lumped=lumped)
@@ -92,22 +95,25 @@ def fine_motion(
         force = solid.internal_force(full.reshape(-1, 3)).ravel()[free]
         return np.concatenate([state[count:], -inverse(force)])
 
-    start = np.zeros_like(velocity) if displacement is None else displacement
-    begin = np.concatenate([start.ravel()[free], velocity.ravel()[free]])
+    begin = np.concatenate([np.zeros(count), velocity.ravel()[free]])
     scale = float(np.abs(solid.points).max())
     found = solve_ivp(
         rate,
-        (0.0, float(times[-1])),
+        (0.0, until),
         begin,
         method="DOP853",
-        t_eval=times,
+        dense_output=True,
         rtol=1e-8,
         atol=1e-9 * scale,
     )
     assert found.success, found.message
-    full = np.zeros((len(times), solid.held.size))
-    full[:, free] = found.y[:count].T
-    return full.reshape(len(times), -1, 3)
+
+    def at(times: Array) -> Array:
+        full = np.zeros((len(times), solid.held.size))
+        full[:, free] = found.sol(times)[:count].T
+        return full.reshape(len(times), -1, 3)
+
+    return at
 
 
 def _inverse_mass(
