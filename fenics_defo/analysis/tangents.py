@@ -47,13 +47,19 @@ class Tangents:
         self._comm, self._free = solid.comm, constraints.free
         self._follower: PETSc.Mat | None = None
         self._solver = linear_solver(linear, bound, tolerance=tolerance)
+        # K of a linear body is filled once, and one solver serves all steps of one length.
+        self._constant = solid.is_linear
+        self._ready: tuple[float, float] | None = None
         #: Displacement at which K is filled.
         self.filled_at: Array | None = None
 
     def fill(self, displacement: Array, local: Array) -> Array:
         """Fill K at a displacement (owned nodes, 3), with ghosts ``local`` (d, 3); returns f."""
-        self.filled_at = None
-        force = self._assembly.linearise(self._stiffness, local)
+        if self._constant and self.filled_at is not None:
+            force = self._assembly.force(local)
+        else:
+            self.filled_at = None
+            force = self._assembly.linearise(self._stiffness, local)
         self.filled_at = displacement
         return force
 
@@ -76,12 +82,16 @@ class Tangents:
         Raises:
             SolverError: it is singular or not finite, or memory ran out.
         """
+        if self._constant and not loads.follows and self._ready == (scale, mass_scale):
+            return
+        self._ready = None
         combine(self._effective, self._stiffness, scale, self._mass, mass_scale)
         if loads.follows:
             loads.add_tangent(self._effective, time, local, factor_of_all=-1.0, symmetric=True)
         if self._rows is not None:
             self._effective.zeroRowsColumns(self._rows, diag=scale)
         self._solver.prepare(self._effective)
+        self._ready = (scale, mass_scale)
 
     def solve(self, right_side: Array) -> tuple[Array, int]:
         """Solution (owned nodes, 3) and iterations; the right-hand side is zero where not free.

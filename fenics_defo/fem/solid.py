@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from fenics_defo.energy import LinearElastic
 from fenics_defo.errors import DefoError, MeshError, SelectionError
 from fenics_defo.fem.assembly import Assembly
 from fenics_defo.fem.compat import dolfinx
@@ -103,6 +104,8 @@ class Solid:
         fields = lay_materials(mesh_data, material)
         #: Whether all laws are isotropic and free of stress at rest.
         self.is_isotropic_at_rest = all(region.rest_moduli for region in fields.regions)
+        #: Whether the internal force is linear in the displacement, the tangent one and the same.
+        self.is_linear = all(isinstance(r.material, LinearElastic) for r in fields.regions)
         rules = degrees or default_degrees(kind, order, mesh.geometry.cmaps[0].degree)
         forms = body_forms(self.space, fields, rules)
         parts, unformed = body_parts(self.space, forms, fields, rules.energy)

@@ -28,6 +28,7 @@ from fenics_defo.analysis import (
 from fenics_defo.analysis.instant import Instant, StepFailure
 from fenics_defo.analysis.substeps import run_substeps
 from fenics_defo.errors import DivergenceError, LoadError, SolverError, StepSizeError
+from fenics_defo.fem.linear_solvers import Cholesky
 
 EXPLICIT = [CentralDifferences(), SymplecticEuler()]
 ALL = [ImplicitNewmark(), BackwardEuler(), *EXPLICIT]
@@ -341,3 +342,15 @@ def test_durations_and_steps_that_make_no_sense_are_refused():
     for step, duration in ((0.1, 0.0), (0.1, math.nan), (1.0, 0.3), (-1.0, 1.0), (0.0, 1.0)):
         with pytest.raises(StepSizeError):
             simulate(bar(LINEAR), [], BackwardEuler(), step=step, duration=duration)
+
+
+@pytest.mark.parametrize(("material", "times"), [(LINEAR, 1), (STVK, 4)])
+def test_a_linear_body_is_factorised_once(monkeypatch, material, times):
+    prepared = []
+    honest = Cholesky.prepare
+    monkeypatch.setattr(
+        Cholesky, "prepare", lambda self, matrix: prepared.append(honest(self, matrix))
+    )
+    with Simulation(bar(material), [Gravity()], ImplicitNewmark(), step=1e-3) as simulation:
+        run(simulation, 4)
+    assert len(prepared) == times
