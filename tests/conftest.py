@@ -24,10 +24,10 @@ CACHE = ROOT / ".cache" / "tests"
 KERNELS = CACHE / "fenics"
 
 # A kernel takes half a second to compile, but several processes may wait for the one that does it.
-# A suite that runs in the background of a shell ignores Ctrl-C, and so would the commands under test.
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
 JIT_OPTIONS = {"timeout": 300}
+
+# A suite in the background of a shell ignores Ctrl-C, and so would the commands that it starts.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def isolate_environment() -> None:
