@@ -106,7 +106,7 @@ AFTER = {
         "The same cubes under a dead pressure, against the branch of the law that comes from",
         "rest. St. Venant-Kirchhoff bears 0.19 at most; beyond, no answer is right.",
     ],
-    "Recovery, backward Euler": [
+    "Recovery by backward Euler": [
         "A cube of eight cells let go from an impossible shape, 200 damped steps of backward",
         "Euler: the largest displacement that is left, over the edge. In italics: it rests in",
         "a wrong shape.",
