@@ -11,12 +11,9 @@ It ends with status 1 if any cell hangs, crashes, gives a silent NaN or a wrong 
 
 import argparse
 import contextlib
-import json
 import os
 import platform
 import sys
-import time
-from dataclasses import asdict
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -46,17 +43,14 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=1, help="processes at a time")
     options = parser.parse_args(argv)
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # of the processes to come
-    begin = time.perf_counter()
     cells = compute(all_cases(quick=options.quick, only=options.only), jobs=options.jobs)
-    seconds = time.perf_counter() - begin
+    seconds = sum(cell.seconds for cell in cells)
     text = report.page(cells, seconds, machine=_machine())
     print(text)
     if options.output:
         options.output.mkdir(parents=True, exist_ok=True)
         (options.output / "stability.md").write_text(text, encoding="utf-8")
         report.draw(cells, options.output / "stability")
-        rows = json.dumps([asdict(cell) for cell in cells], indent=1, ensure_ascii=False)
-        (options.output / "stability" / "cells.json").write_text(rows + "\n", encoding="utf-8")
     return 1 if report.findings(cells) else 0
 
 

@@ -14,6 +14,8 @@ from workflows.stability_map.outcomes import Kind, Measured, judged
 from workflows.stability_map.references import oscillator
 from workflows.stability_map.runner import run
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def cells() -> list[Cell]:

@@ -31,7 +31,7 @@ def cases(*, quick: bool) -> list[Case]:
             row=f"{model}, {name}",
             column=f"{count:.0e}",
             compute=partial(cell, model, name, count),
-            patience=900.0,
+            patience=3600.0,
         )
         for model, name in (_WAYS[:1] if quick else _WAYS)
         for count in ((300,) if quick else (1000, 100_000))

@@ -101,8 +101,8 @@ def page(cells: Sequence[Cell], seconds: float, *, machine: str) -> str:
         "",
     ]
     lines += _messages(cells)
-    lines += ["", f"Made by `python workflows/stability.py --output docs` in {seconds:.0f} s, "]
-    lines[-1] += f"one thread, {machine}."
+    lines += ["", "Made by `python workflows/stability.py --output docs`. The cells took"]
+    lines += [f"{seconds:.0f} s together, one thread each, {machine}."]
     return "\n".join(lines) + "\n"
 
 
