@@ -14,6 +14,7 @@ from modal_bodies import (
     residuals,
 )
 
+from fenics_defo import beams
 from fenics_defo.analysis import Phases, linear_modes
 from fenics_defo.energy import LinearElastic, StVenantKirchhoff
 from fenics_defo.errors import DefoError, EigenSolveError, SolverError
@@ -339,3 +340,14 @@ def test_what_cannot_be_asked(count: Any, options: dict[str, Any], message: str)
 def test_a_residual_that_is_too_large_raises() -> None:
     with pytest.raises(EigenSolveError, match=r"relative residual .* and 1\.0e-30 is allowed"):
         linear_modes(box(fixed=["x==0"]), 3, residual_tolerance=1e-30)
+
+
+@pytest.mark.parametrize("solver", ["davidson", "krylov-schur"])
+def test_a_wire_as_thin_as_round_off_allows(solver: Any) -> None:
+    """At 1:500 the softest mode's λ is 1e-14 of the largest: vectors are good to a few digits."""
+    solid = box((20, 1, 1), (5.0, 0.01, 0.01), order=2, fixed=["x==0"])
+    modes = linear_modes(solid, 2, solver=solver)
+    section = beams.RectangularSection(0.01, 0.01)
+    constants = {"young": STEEL.young, "poisson": STEEL.poisson, "density": STEEL.density}
+    expected = beams.cantilever_frequencies(length=5.0, section=section, count=2, **constants)
+    assert modes.frequencies[:2] == pytest.approx(expected[:2], rel=0.02)
