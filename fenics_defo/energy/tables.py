@@ -3,7 +3,7 @@
 import difflib
 import logging
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fenics_defo.energy.corotational import Corotational
@@ -87,6 +87,24 @@ def read_materials(path: str | Path) -> dict[str | None, Law]:
         raise MaterialError(
             f"{path}: needs one [[material]] table (two brackets) for each region, has {found}"
         )
+    return materials_from_tables(path, tables)
+
+
+def materials_from_tables(
+    path: str | Path, tables: Sequence[Mapping[str, object]]
+) -> dict[str | None, Law]:
+    """Materials of ``[[material]]`` tables that have been read, by region.
+
+    Args:
+        path: the file they are from, for what is said of them.
+        tables: the tables, in the file's order.
+
+    Returns:
+        as `read_materials`.
+
+    Raises:
+        MaterialError: two tables for one region, or a table is at fault.
+    """
     materials: dict[str | None, Law] = {}
     for table in tables:
         try:

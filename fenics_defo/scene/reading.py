@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from fenics_defo.energy import Law
-from fenics_defo.energy.tables import material_from_table
-from fenics_defo.errors import MaterialError, SceneError
+from fenics_defo.energy.tables import materials_from_tables
+from fenics_defo.errors import SceneError
 from fenics_defo.scene import load_schema, schema
 from fenics_defo.scene.records import (
     DampingTable,
@@ -66,7 +65,7 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
     return Scene(
         path=place,
         mesh=schema.read_mesh_table(Table(place, "[mesh]", tables["mesh"])),
-        materials=_materials(place, tables.get("material", [])),
+        materials=materials_from_tables(place, tables.get("material", [])),
         fixed=each("fixed", load_schema.read_fixed),
         loads=loads,
         damping=single("damping", schema.read_damping, DampingTable()),
@@ -118,20 +117,6 @@ def _check_names(path: Path, tables: Mapping[str, Any]) -> None:
                 f"{path}: {name!r} may come several times; write [[{name}]], with two brackets, "
                 "above the keys of each"
             )
-
-
-def _materials(path: Path, tables: list[Any]) -> dict[str | None, Law]:
-    materials: dict[str | None, Law] = {}
-    for table in tables:
-        try:
-            region, material = material_from_table(table)
-        except MaterialError as error:
-            raise MaterialError(f"{path}: {error}") from error
-        if region in materials:
-            name = "without region" if region is None else f"of region {region!r}"
-            raise MaterialError(f"{path}: has two [[material]] tables {name}; keep one")
-        materials[region] = material
-    return materials
 
 
 def _check_unique(path: Path, names: list[str]) -> None:
