@@ -2,6 +2,6 @@
 
 from fenics_defo.runtime.operations.catalogue import OPERATIONS
 from fenics_defo.runtime.operations.listing import OperationList
-from fenics_defo.runtime.operations.machine import Machine
+from fenics_defo.runtime.operations.machine import Machine, evaluate
 
-__all__ = ["OPERATIONS", "Machine", "OperationList"]
+__all__ = ["OPERATIONS", "Machine", "OperationList", "evaluate"]

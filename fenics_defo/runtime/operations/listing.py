@@ -98,8 +98,38 @@ class OperationList:
                 f"operation {place} takes a value that is not known before it; a list must not "
                 "run in circles"
             )
+        operands = np.where(used, self.operands, -1)
+        operands.flags.writeable = False
+        object.__setattr__(self, "operands", operands)
         if not ((self.outputs >= 0) & (self.outputs < first + len(self.codes))).all():
             raise FileFormatError("an output of a list of operations does not exist")
+
+    def idle_outputs(self) -> NDArray[np.bool_]:
+        """(o,) whether an output is zero whatever the inputs are."""
+        idle = np.zeros(self.inputs + self.constants.size + self.codes.size, bool)
+        idle[self.inputs : self.inputs + self.constants.size] = self.constants == 0.0
+        result: NDArray[np.bool_] = idle[self.outputs]
+        return result
+
+    def first_outputs(self, count: int) -> "OperationList":
+        """The list that computes the first ``count`` outputs and nothing else."""
+        first = self.inputs + self.constants.size
+        needed = np.zeros(first + self.codes.size, bool)
+        needed[self.outputs[:count]] = True
+        for place in range(self.codes.size - 1, -1, -1):
+            if needed[first + place]:
+                operands = self.operands[place]
+                needed[operands[operands >= 0]] = True
+        kept = needed[first:]
+        number = np.arange(needed.size)
+        number[first:] = first + np.cumsum(kept) - 1
+        return OperationList(
+            inputs=self.inputs,
+            constants=self.constants,
+            codes=self.codes[kept],
+            operands=np.where(self.operands >= 0, number[self.operands], -1)[kept],
+            outputs=number[self.outputs[:count]],
+        )
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """The list as arrays, by the names of `SPECS`."""

@@ -1,6 +1,6 @@
 """Running a list of operations on arrays, with buffers that are made once."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -88,6 +88,18 @@ class Machine:
                 self.outputs[row] = self._fixed[place]
             elif row != rows[place] or place < listing.inputs:
                 self._steps.append((np.positive, (values[place],), self.outputs[row]))
+
+
+def evaluate(listing: OperationList, inputs: Sequence[Array | float]) -> list[Array]:
+    """Outputs of a list for inputs that broadcast to one shape, which may differ at each call."""
+    shape = np.broadcast_shapes(*(np.shape(value) for value in inputs))
+    values = [np.asarray(value, np.float64) for value in inputs]
+    values += [np.asarray(constant) for constant in listing.constants]
+    for _, function, operands in _operations(listing, len(values)):
+        taken = [values[operand] for operand in operands]
+        own = np.broadcast_shapes(*(value.shape for value in taken))
+        values.append(function(*taken, out=np.empty(own)))
+    return [np.broadcast_to(values[place], shape) for place in listing.outputs.tolist()]
 
 
 def _operations(
