@@ -1,0 +1,183 @@
+"""The points that a cubature may choose from, and what they answer to training poses."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from fenics_defo.energy import stored_law
+from fenics_defo.fem import Solid
+from fenics_defo.fem.field_gradients import region_gradients
+from fenics_defo.fem.input_order import cell_rows
+from fenics_defo.fem.projection import Projection
+from fenics_defo.runtime.laws import StoredLaw
+from fenics_defo.runtime.laws.kernel import IDENTITY
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Points of one block while gradients are formed, and points times poses while stresses are.
+_POINTS = 4096
+_STRESSES = 1 << 15
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LawPoints:
+    """This rank's candidates of one law.
+
+    Args:
+        law: theirs.
+        parameters: (names, n).
+        gradients: G (n, 9, r) [1/m].
+        weights: of the body's own quadrature (n,) [m³].
+        numbers: (n,) cell in the file's order times points a cell, plus the point: the same on any
+            number of ranks.
+    """
+
+    law: StoredLaw
+    parameters: Array
+    gradients: Array
+    weights: Array
+    numbers: IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class PoseResponses:
+    """What candidates of one law answer to t poses.
+
+    Args:
+        stress: P (n, t, 9) [Pa].
+        strain: ‖Fᵀ F − I‖ / 2 (n, t) [-].
+        volume: det F (n, t) [-].
+    """
+
+    stress: Array
+    strain: Array
+    volume: Array
+
+
+def candidates(solid: Solid, shapes: Array) -> tuple[LawPoints, ...]:
+    """All quadrature points of a body, one group a law; collective.
+
+    The rule is the one of the body's own energy, with which the sum over all candidates is the
+    body's reduced force.
+
+    Args:
+        solid: body.
+        shapes: U (r, n, 3).
+
+    Raises:
+        MaterialError: springs, which have no points.
+        DefoError: shapes that are not the body's.
+    """
+    fields = Projection(solid, shapes).fields
+    rows = cell_rows(solid.space.mesh)
+    groups = []
+    for region in solid.fields.regions:
+        law = stored_law(region.material)
+        blocks = region_gradients(
+            solid.space, region, fields, degree=solid.degrees.energy, points=_POINTS
+        )
+        parts: list[tuple[Array, Array, Array, IntArray]] = []
+        for block in blocks:
+            each = len(block.weights) // len(block.cells)
+            numbers = rows[block.cells] * each + np.arange(each)[:, None]
+            values = [block.at_points(region.parameters[name]) for name in law.names]
+            parts.append(
+                (
+                    np.array(values).reshape(len(law.names), len(block.weights)),
+                    block.gradients.reshape(len(fields), 9, -1).transpose(2, 1, 0).copy(),
+                    block.weights,
+                    numbers.ravel(),
+                )
+            )
+        parts.append(_no_points(len(law.names), len(fields)))
+        parameters, gradients, weights, numbers = zip(*parts, strict=True)
+        groups.append(
+            LawPoints(
+                law=law,
+                parameters=np.concatenate(parameters, axis=1),
+                gradients=np.concatenate(gradients),
+                weights=np.concatenate(weights),
+                numbers=np.concatenate(numbers),
+            )
+        )
+    return tuple(groups)
+
+
+def _no_points(names: int, size: int) -> tuple[Array, Array, Array, IntArray]:
+    """What a rank without cells of a law has."""
+    return np.zeros((names, 0)), np.zeros((0, 9, size)), np.zeros(0), np.zeros(0, np.int64)
+
+
+def answer(points: LawPoints, poses: Array) -> PoseResponses:
+    """Stresses and strains of one law's candidates at poses (t, r)."""
+    count, poses_count = len(points.weights), len(poses)
+    stress = np.empty((count, poses_count, 9))
+    strain = np.empty((count, poses_count))
+    volume = np.empty((count, poses_count))
+    for part in _blocks(count, max(1, _STRESSES // max(poses_count, 1))):
+        size = part.stop - part.start
+        values = [np.repeat(row[part], poses_count) for row in points.parameters]
+        kernel = points.law.kernel(values, size * poses_count)
+        moved = points.gradients[part].reshape(-1, poses.shape[1]) @ poses.T
+        kernel.gradients[:] = moved.reshape(size, 9, -1).transpose(1, 0, 2).reshape(9, -1)
+        kernel.gradients += IDENTITY[:, None]
+        strain[part] = _strain(kernel.gradients).reshape(size, -1)
+        volume[part] = _volume(kernel.gradients).reshape(size, -1)
+        with np.errstate(all="ignore"):  # a pose that is inverted shows in the volume
+            answers = kernel.stress().reshape(9, size, -1)
+        stress[part] = answers.transpose(1, 2, 0)
+    return PoseResponses(stress, strain, volume)
+
+
+def volumes(points: LawPoints, poses: Array) -> tuple[Array, Array]:
+    """Largest strain and smallest det F (t,) over this rank's candidates of one law."""
+    strain, volume = np.zeros(len(poses)), np.full(len(poses), np.inf)
+    for part in _blocks(len(points.weights), max(1, _STRESSES // max(len(poses), 1))):
+        moved = points.gradients[part].reshape(-1, poses.shape[1]) @ poses.T
+        F = moved.reshape(-1, 9, len(poses)).transpose(1, 0, 2) + IDENTITY[:, None, None]
+        strain = np.maximum(strain, _strain(F).max(axis=0, initial=0.0))
+        volume = np.minimum(volume, _volume(F).min(axis=0, initial=np.inf))
+    return strain, volume
+
+
+def total_force(
+    groups: tuple[LawPoints, ...], responses: list[PoseResponses], comm: MPI.Comm
+) -> Array:
+    """f (t, r) at the poses by all candidates with the body's own weights; collective."""
+    r, t = groups[0].gradients.shape[2], responses[0].stress.shape[1]
+    local = np.zeros((r, t))
+    for points, answers in zip(groups, responses, strict=True):
+        for part in _blocks(len(points.weights), _POINTS):
+            scaled = points.gradients[part] * points.weights[part, None, None]
+            stress = answers.stress[part].transpose(0, 2, 1).reshape(-1, t)
+            local += scaled.reshape(-1, r).T @ stress
+    total = np.empty_like(local)
+    comm.Allreduce(local, total)
+    return total.T.copy()
+
+
+def _blocks(count: int, size: int) -> Iterator[slice]:
+    for begin in range(0, count, size):
+        yield slice(begin, min(begin + size, count))
+
+
+def _strain(F: Array) -> Array:
+    """‖Fᵀ F − I‖ / 2 of gradients (9, ...)."""
+    X = F.reshape(3, 3, *F.shape[1:])
+    total = np.zeros(F.shape[1:])
+    for a in range(3):
+        for b in range(a, 3):
+            entry = (X[:, a] * X[:, b]).sum(axis=0) - (a == b)
+            total += (1.0 if a == b else 2.0) * entry**2
+    return 0.5 * np.sqrt(total)
+
+
+def _volume(F: Array) -> Array:
+    """det F of gradients (9, ...)."""
+    a, b, c, d, e, f, g, h, i = F
+    volume: Array = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+    return volume
