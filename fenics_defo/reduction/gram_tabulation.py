@@ -69,7 +69,7 @@ def strain_derivatives(solid: Solid, fields: Array) -> EnergyDerivatives:
     solid.comm.Allreduce(gram, total)
     # The upper triangle alone is filled.
     total += np.triu(total, 1).T
-    return _derivatives(total, r)
+    return derivatives_of_gram(total, r)
 
 
 def _region_gram(solid: Solid, region: LawRegion, fields: Array, *, pairs: bool) -> Array:
@@ -91,7 +91,7 @@ def _region_gram(solid: Solid, region: LawRegion, fields: Array, *, pairs: bool)
     return gram
 
 
-def _derivatives(gram: Array, r: int) -> EnergyDerivatives:
+def derivatives_of_gram(gram: Array, r: int) -> EnergyDerivatives:
     i, j = np.triu_indices(r)
     pair = np.empty((r, r), np.intp)
     pair[i, j] = pair[j, i] = np.arange(len(i))

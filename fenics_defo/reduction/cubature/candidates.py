@@ -3,8 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.energy import stored_law
@@ -147,7 +148,7 @@ def volumes(points: LawPoints, poses: Array) -> tuple[Array, Array]:
 def total_force(
     groups: tuple[LawPoints, ...], responses: list[PoseResponses], comm: MPI.Comm
 ) -> Array:
-    """f (t, r) at the poses by all candidates with the body's own weights; collective."""
+    """F (t, r) at the poses by all candidates with the body's own weights; collective."""
     r, t = groups[0].gradients.shape[2], responses[0].stress.shape[1]
     local = np.zeros((r, t))
     for points, answers in zip(groups, responses, strict=True):
@@ -177,7 +178,7 @@ def _strain(F: Array) -> Array:
 
 
 def _volume(F: Array) -> Array:
-    """det F of gradients (9, ...)."""
+    """Det F of gradients (9, ...)."""
     a, b, c, d, e, f, g, h, i = F
     volume: Array = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
     return volume

@@ -30,7 +30,7 @@ class GrowingLeastSquares:
 
     @property
     def residual(self) -> Array:
-        """b − Σ w_k c_k (rows,)."""
+        """B − Σ w_k c_k (rows,)."""
         residual: Array = self._target - self.weights @ self._columns
         return residual
 

@@ -3,8 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
 from mpi4py import MPI
+
+import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.reduction.cubature.candidates import LawPoints, PoseResponses, answer
@@ -225,10 +226,14 @@ def select(
     except KeyboardInterrupt:
         pass
     order = np.argsort(fit.keys)
-    points, first, second = (np.array(column) for column in zip(*rows, strict=True)) if rows else (
-        np.zeros(0, np.int64),
-        np.zeros(0),
-        np.zeros(0),
+    points, first, second = (
+        (np.array(column) for column in zip(*rows, strict=True))
+        if rows
+        else (
+            np.zeros(0, np.int64),
+            np.zeros(0),
+            np.zeros(0),
+        )
     )
     return Selection(
         numbers=np.array(fit.keys, np.int64)[order],
