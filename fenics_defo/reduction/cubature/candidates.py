@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from mpi4py import MPI
 
@@ -13,7 +14,7 @@ from fenics_defo.fem import Solid
 from fenics_defo.fem.field_gradients import region_gradients
 from fenics_defo.fem.input_order import cell_rows
 from fenics_defo.fem.projection import Projection
-from fenics_defo.runtime.laws import StoredLaw
+from fenics_defo.runtime.laws import PointKernel, StoredLaw
 from fenics_defo.runtime.laws.kernel import IDENTITY
 
 Array = NDArray[np.float64]
@@ -44,21 +45,6 @@ class LawPoints:
     numbers: IntArray
 
 
-@dataclass(frozen=True, slots=True)
-class PoseResponses:
-    """What candidates of one law answer to t poses.
-
-    Args:
-        stress: P (n, t, 9) [Pa].
-        strain: ‖Fᵀ F − I‖ / 2 (n, t) [-].
-        volume: det F (n, t) [-].
-    """
-
-    stress: Array
-    strain: Array
-    volume: Array
-
-
 def candidates(solid: Solid, shapes: Array) -> tuple[LawPoints, ...]:
     """All quadrature points of a body, one group a law; collective.
 
@@ -81,28 +67,25 @@ def candidates(solid: Solid, shapes: Array) -> tuple[LawPoints, ...]:
         blocks = region_gradients(
             solid.space, region, fields, degree=solid.degrees.energy, points=_POINTS
         )
-        parts: list[tuple[Array, Array, Array, IntArray]] = []
+        parts = [_no_points(len(law.names), len(fields))]
         for block in blocks:
             each = len(block.weights) // len(block.cells)
-            numbers = rows[block.cells] * each + np.arange(each)[:, None]
             values = [block.at_points(region.parameters[name]) for name in law.names]
             parts.append(
                 (
                     np.array(values).reshape(len(law.names), len(block.weights)),
                     block.gradients.reshape(len(fields), 9, -1).transpose(2, 1, 0).copy(),
                     block.weights,
-                    numbers.ravel(),
+                    (rows[block.cells] * each + np.arange(each)[:, None]).ravel(),
                 )
             )
-        parts.append(_no_points(len(law.names), len(fields)))
-        parameters, gradients, weights, numbers = zip(*parts, strict=True)
         groups.append(
             LawPoints(
                 law=law,
-                parameters=np.concatenate(parameters, axis=1),
-                gradients=np.concatenate(gradients),
-                weights=np.concatenate(weights),
-                numbers=np.concatenate(numbers),
+                parameters=np.concatenate([part[0] for part in parts], axis=1),
+                gradients=np.concatenate([part[1] for part in parts]),
+                weights=np.concatenate([part[2] for part in parts]),
+                numbers=np.concatenate([part[3] for part in parts]),
             )
         )
     return tuple(groups)
@@ -113,29 +96,43 @@ def _no_points(names: int, size: int) -> tuple[Array, Array, Array, IntArray]:
     return np.zeros((names, 0)), np.zeros((0, 9, size)), np.zeros(0), np.zeros(0, np.int64)
 
 
-def answer(points: LawPoints, poses: Array) -> PoseResponses:
-    """Stresses and strains of one law's candidates at poses (t, r)."""
+def stresses(points: LawPoints, poses: Array) -> Array:
+    """P (n, t, 9) [Pa] of a law's candidates at poses (t, r); not finite where it has no answer."""
     count, poses_count = len(points.weights), len(poses)
     stress = np.empty((count, poses_count, 9))
-    strain = np.empty((count, poses_count))
-    volume = np.empty((count, poses_count))
+    kernels = _Kernels(points, poses_count)
     for part in _blocks(count, max(1, _STRESSES // max(poses_count, 1))):
         size = part.stop - part.start
-        values = [np.repeat(row[part], poses_count) for row in points.parameters]
-        kernel = points.law.kernel(values, size * poses_count)
+        kernel = kernels(part)
         moved = points.gradients[part].reshape(-1, poses.shape[1]) @ poses.T
         kernel.gradients[:] = moved.reshape(size, 9, -1).transpose(1, 0, 2).reshape(9, -1)
         kernel.gradients += IDENTITY[:, None]
-        strain[part] = _strain(kernel.gradients).reshape(size, -1)
-        volume[part] = _volume(kernel.gradients).reshape(size, -1)
-        with np.errstate(all="ignore"):  # a pose that is inverted shows in the volume
-            answers = kernel.stress().reshape(9, size, -1)
-        stress[part] = answers.transpose(1, 2, 0)
-    return PoseResponses(stress, strain, volume)
+        with np.errstate(all="ignore"):
+            stress[part] = kernel.stress().reshape(9, size, -1).transpose(1, 2, 0)
+    return stress
+
+
+class _Kernels:
+    """The law's kernel for blocks of points, each repeated for every pose."""
+
+    def __init__(self, points: LawPoints, poses: int) -> None:
+        self._points, self._poses = points, poses
+        self._uniform = bool((np.ptp(points.parameters, axis=1) == 0.0).all())
+        self._last: PointKernel | None = None
+
+    def __call__(self, part: slice) -> PointKernel:
+        """The kernel for some points; the last one again where that serves."""
+        count = (part.stop - part.start) * self._poses
+        if self._uniform:
+            if self._last is None or self._last.gradients.shape[1] != count:
+                self._last = self._points.law.kernel(self._points.parameters[:, 0].tolist(), count)
+            return self._last
+        values = [np.repeat(row[part], self._poses) for row in self._points.parameters]
+        return self._points.law.kernel(values, count)
 
 
 def volumes(points: LawPoints, poses: Array) -> tuple[Array, Array]:
-    """Largest strain and smallest det F (t,) over this rank's candidates of one law."""
+    """Largest strain ‖Fᵀ F − I‖ / 2 and smallest det F (t,) over a law's candidates here."""
     strain, volume = np.zeros(len(poses)), np.full(len(poses), np.inf)
     for part in _blocks(len(points.weights), max(1, _STRESSES // max(len(poses), 1))):
         moved = points.gradients[part].reshape(-1, poses.shape[1]) @ poses.T
@@ -145,20 +142,28 @@ def volumes(points: LawPoints, poses: Array) -> tuple[Array, Array]:
     return strain, volume
 
 
-def total_force(
-    groups: tuple[LawPoints, ...], responses: list[PoseResponses], comm: MPI.Comm
-) -> Array:
+def total_force(groups: tuple[LawPoints, ...], answers: tuple[Array, ...], comm: MPI.Comm) -> Array:
     """F (t, r) at the poses by all candidates with the body's own weights; collective."""
-    r, t = groups[0].gradients.shape[2], responses[0].stress.shape[1]
+    r, t = groups[0].gradients.shape[2], answers[0].shape[1]
     local = np.zeros((r, t))
-    for points, answers in zip(groups, responses, strict=True):
+    for points, stress in zip(groups, answers, strict=True):
         for part in _blocks(len(points.weights), _POINTS):
             scaled = points.gradients[part] * points.weights[part, None, None]
-            stress = answers.stress[part].transpose(0, 2, 1).reshape(-1, t)
-            local += scaled.reshape(-1, r).T @ stress
+            local += scaled.reshape(-1, r).T @ stress[part].transpose(0, 2, 1).reshape(-1, t)
     total = np.empty_like(local)
     comm.Allreduce(local, total)
     return total.T.copy()
+
+
+def some_points(points: LawPoints, chosen: NDArray[Any]) -> LawPoints:
+    """Some of the candidates of a law, by places or by a mask."""
+    return LawPoints(
+        law=points.law,
+        parameters=points.parameters[:, chosen],
+        gradients=points.gradients[chosen],
+        weights=points.weights[chosen],
+        numbers=points.numbers[chosen],
+    )
 
 
 def _blocks(count: int, size: int) -> Iterator[slice]:
@@ -172,8 +177,10 @@ def _strain(F: Array) -> Array:
     total = np.zeros(F.shape[1:])
     for a in range(3):
         for b in range(a, 3):
-            entry = (X[:, a] * X[:, b]).sum(axis=0) - (a == b)
-            total += (1.0 if a == b else 2.0) * entry**2
+            entry = np.einsum("i...,i...->...", X[:, a], X[:, b])
+            entry -= a == b
+            entry *= entry
+            total += entry if a == b else 2.0 * entry
     return 0.5 * np.sqrt(total)
 
 

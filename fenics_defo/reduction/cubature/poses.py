@@ -1,7 +1,7 @@
 """Coordinates at which a cubature is trained."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 from mpi4py import MPI
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg.blas import dsyrk
 
 from fenics_defo.errors import DefoError
-from fenics_defo.reduction.cubature.candidates import LawPoints, volumes
+from fenics_defo.reduction.cubature.candidates import LawPoints, some_points, volumes
 from fenics_defo.reduction.gram_tabulation import derivatives_of_gram
 from fenics_defo.reduction.strain_columns import StrainColumns
 from fenics_defo.runtime.forces import CubicForce
@@ -62,6 +62,7 @@ class PoseSampler:
                 "the basis can move the body without straining it, so that training poses have no "
                 "scale; leave rigid motions out of the basis"
             )
+        self._few = tuple(self._sample())
         self._stand_in: CubicForce | None = None
 
     def sampled(self, count: int, strain: float) -> Cloud:
@@ -91,7 +92,7 @@ class PoseSampler:
         Raises:
             DefoError: a pose turns a cell inside out, or does not strain the body.
         """
-        strains, smallest = self._extremes(coordinates)
+        strains, smallest = self._extremes(coordinates, self._groups)
         bad = np.flatnonzero(~((smallest > 0.0) & (strains > 0.0)))
         if bad.size:
             raise DefoError(
@@ -109,7 +110,7 @@ class PoseSampler:
             if missing == 0:
                 return Cloud(np.concatenate(kept), np.concatenate(strains), redrawn)
             q = draw(strain * self._random.uniform(0.05, 1.0, missing))
-            found, smallest = self._extremes(q)
+            found, smallest = self._extremes(q, self._groups)
             good = (smallest > 0.0) & (found > 0.0)
             redrawn += int((~good).sum())
             kept.append(q[good])
@@ -121,11 +122,9 @@ class PoseSampler:
 
     def _scaled(self, targets: Array) -> Array:
         q = self._responses(len(targets))
-        strain, _ = self._extremes(q)
-        q *= (targets / strain)[:, None]
-        for _ in range(3):  # strains grow faster than the coordinates
-            strain, _ = self._extremes(q)
-            q *= np.minimum(1.0, targets / strain)[:, None]
+        for _ in range(4):  # strains grow faster than the coordinates
+            strain, _ = self._extremes(q, self._few)
+            q *= (targets / strain)[:, None]
         return q
 
     def _responses(self, count: int) -> Array:
@@ -138,7 +137,7 @@ class PoseSampler:
         """Equilibria at which the loads, growing step by step, have reached the strains."""
         law = self._stand_in = self._stand_in or self._tabulated()
         q = self._responses(len(targets))
-        strain, _ = self._extremes(q)
+        strain, _ = self._extremes(q, self._few)
         loads = q * (0.3 * targets / strain)[:, None]
         loads = ((loads @ self._vectors) * self._values) @ self._vectors.T
         q = np.zeros_like(loads)
@@ -147,7 +146,7 @@ class PoseSampler:
         factor = 1.0
         for _ in range(_LEVELS):
             q[active], converged = _newton(law, q[active], factor * loads[active])
-            strain, smallest = self._extremes(q[active])
+            strain, smallest = self._extremes(q[active], self._few)
             good = converged & (strain <= targets[active]) & (smallest > 0.0)
             best[active[good]] = q[active[good]]
             active = active[good]
@@ -161,20 +160,12 @@ class PoseSampler:
         r = self.size
         columns = r + r * (r + 1) // 2
         gram = np.zeros((columns, columns), order="F")
-        total = self._comm.allreduce(sum(len(points.weights) for points in self._groups))
-        share = min(1.0, _SAMPLE / total)
-        # Drawn by number, so that any number of ranks takes the same points.
-        largest = max((int(p.numbers.max(initial=-1)) for p in self._groups), default=-1)
-        draws = self._random.uniform(size=self._comm.allreduce(largest, op=MPI.MAX) + 1)
         strain_columns = StrainColumns(r, _BLOCK, pairs=True)
-        for points in self._groups:
-            chosen = np.flatnonzero(draws[points.numbers] <= share)
-            for begin in range(0, len(chosen), _BLOCK):
-                some = chosen[begin : begin + _BLOCK]
-                lmbda, mu = _moduli(points, some)
-                fields = np.ascontiguousarray(points.gradients[some].transpose(2, 1, 0))
-                fields = fields.reshape(r, 3, 3, -1)
-                A = strain_columns(fields, points.weights[some] / share, lmbda, mu)
+        for points in self._few:
+            for begin in range(0, len(points.weights), _BLOCK):
+                some = some_points(points, np.arange(begin, len(points.weights))[:_BLOCK])
+                fields = np.ascontiguousarray(some.gradients.transpose(2, 1, 0))
+                A = strain_columns(fields.reshape(r, 3, 3, -1), some.weights, *_moduli(some))
                 A = A.reshape(columns, -1)
                 gram = dsyrk(1.0, A.T, beta=1.0, c=gram, trans=1, overwrite_c=1)
         whole = np.empty_like(gram)
@@ -183,10 +174,23 @@ class PoseSampler:
         rest = derivatives_of_gram(whole, r)
         return CubicForce(rest.second, rest.third, rest.fourth * diagonal_weights(r))
 
-    def _extremes(self, q: Array) -> tuple[Array, Array]:
-        """Largest strain and smallest det F (t,) over all candidates of all ranks."""
-        strain, volume = np.zeros(len(q)), np.full(len(q), np.inf)
+    def _sample(self) -> Iterator[LawPoints]:
+        """Some candidates, their weights scaled up to the whole body's.
+
+        They are drawn by number, so that any number of ranks takes the same ones.
+        """
+        total = self._comm.allreduce(sum(len(points.weights) for points in self._groups))
+        share = min(1.0, _SAMPLE / total)
+        largest = max((int(p.numbers.max(initial=-1)) for p in self._groups), default=-1)
+        draws = self._random.uniform(size=self._comm.allreduce(largest, op=MPI.MAX) + 1)
         for points in self._groups:
+            few = some_points(points, draws[points.numbers] <= share)
+            yield replace(few, weights=few.weights / share)
+
+    def _extremes(self, q: Array, groups: tuple[LawPoints, ...]) -> tuple[Array, Array]:
+        """Largest strain and smallest det F (t,) over some candidates of all ranks."""
+        strain, volume = np.zeros(len(q)), np.full(len(q), np.inf)
+        for points in groups:
             own = volumes(points, q)
             strain, volume = np.maximum(strain, own[0]), np.minimum(volume, own[1])
         largest, smallest = np.empty_like(strain), np.empty_like(volume)
@@ -195,9 +199,9 @@ class PoseSampler:
         return largest, smallest
 
 
-def rest_tangents(points: LawPoints, chosen: NDArray[np.intp]) -> Array:
-    """∂P/∂F (k, 9, 9) [Pa] at rest of some candidates."""
-    kernel = points.law.kernel([row[chosen] for row in points.parameters], len(chosen))
+def rest_tangents(points: LawPoints) -> Array:
+    """∂P/∂F (n, 9, 9) [Pa] at rest of a law's candidates."""
+    kernel = points.law.kernel(list(points.parameters), len(points.weights))
     kernel.gradients[:] = IDENTITY[:, None]
     with np.errstate(all="ignore"):
         return kernel.stress_and_tangent()[1]
@@ -209,18 +213,17 @@ def rest_stiffness(groups: tuple[LawPoints, ...], comm: MPI.Comm) -> Array:
     local = np.zeros((r, r))
     for points in groups:
         for begin in range(0, len(points.weights), 4 * _BLOCK):
-            some = np.arange(begin, min(begin + 4 * _BLOCK, len(points.weights)))
-            G = points.gradients[some]
-            image = rest_tangents(points, some) @ G * points.weights[some, None, None]
-            local += G.reshape(-1, r).T @ image.reshape(-1, r)
+            some = some_points(points, np.arange(begin, len(points.weights))[: 4 * _BLOCK])
+            image = rest_tangents(some) @ some.gradients * some.weights[:, None, None]
+            local += some.gradients.reshape(-1, r).T @ image.reshape(-1, r)
     total = np.empty_like(local)
     comm.Allreduce(local, total)
     return 0.5 * (total + total.T)
 
 
-def _moduli(points: LawPoints, chosen: NDArray[np.intp]) -> tuple[Array, Array]:
-    """λ and μ [Pa] at rest of some candidates; of a law with directions, along two axes."""
-    A = rest_tangents(points, chosen)
+def _moduli(points: LawPoints) -> tuple[Array, Array]:
+    """λ and μ [Pa] at rest of candidates; of a law with directions, along two axes."""
+    A = rest_tangents(points)
     mu = np.abs(A[:, 1, 1])
     mu = np.maximum(mu, 1e-6 * np.abs(A[:, 0, 0]))
     return np.maximum(A[:, 0, 0] - 2.0 * mu, 0.0), mu

@@ -8,7 +8,7 @@ from mpi4py import MPI
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.reduction.cubature.candidates import LawPoints, PoseResponses, answer
+from fenics_defo.reduction.cubature.candidates import LawPoints, some_points, stresses
 from fenics_defo.reduction.cubature.nonnegative import GrowingLeastSquares
 
 Array = NDArray[np.float64]
@@ -58,12 +58,13 @@ class Poses:
     Args:
         coordinates: (t, r).
         forces: (t, r), none of them zero.
-        responses: one a law, of this rank's candidates.
+        answers: P (n, t, 9) of this rank's candidates, one array a law; none where they are not
+            stored.
     """
 
     coordinates: Array
     forces: Array
-    responses: tuple[PoseResponses, ...]
+    answers: tuple[Array, ...] = ()
 
     @property
     def sizes(self) -> Array:
@@ -93,7 +94,7 @@ class Pool:
         scale = 1.0 / training.sizes
         self._norms = [
             np.concatenate([np.zeros(0), *self._block_norms(points, answers, scale)])
-            for points, answers in zip(groups, training.responses, strict=True)
+            for points, answers in zip(groups, training.answers, strict=True)
         ]
 
     def best(self, numbers: IntArray, residual: Array, count: int) -> list[int]:
@@ -102,14 +103,14 @@ class Pool:
         scores = np.full(len(own), -np.inf)
         along = residual / self._training.sizes[:, None]
         for group, (points, answers) in enumerate(
-            zip(self._groups, self._training.responses, strict=True)
+            zip(self._groups, self._training.answers, strict=True)
         ):
             chosen = np.flatnonzero(self._group[own] == group)
             for begin in range(0, len(chosen), _BLOCK):
                 some = chosen[begin : begin + _BLOCK]
                 places = self._place[own[some]]
                 pulled = points.gradients[places] @ along.T  # (k, 9, t)
-                products = np.einsum("kct,ktc->k", pulled, answers.stress[places])
+                products = np.einsum("kct,ktc->k", pulled, answers[places])
                 norms = self._norms[group][places]
                 scores[some] = np.divide(
                     products, norms, out=np.full(len(some), -np.inf), where=norms > 0.0
@@ -122,13 +123,12 @@ class Pool:
         )
         return [number for _, number in ranked[:count]]
 
-    def columns(self, numbers: list[int], poses: Poses, *, known: bool) -> Array:
+    def columns(self, numbers: list[int], poses: Poses) -> Array:
         """Forces of some candidates of unit weight, over the norms of the whole (k, t r).
 
         Args:
             numbers: theirs.
             poses: where.
-            known: whether these are the poses whose answers are stored.
         """
         r = poses.coordinates.shape[1]
         local = np.zeros((len(numbers), len(poses.coordinates), r))
@@ -138,32 +138,21 @@ class Pool:
                 continue
             place = self._place[number]
             points = self._groups[group]
-            if known:
-                stress = poses.responses[group].stress[place]
+            if poses.answers:
+                stress = poses.answers[group][place]
             else:
-                stress = answer(self.point(number), poses.coordinates).stress[0]
+                stress = stresses(some_points(points, np.array([place])), poses.coordinates)[0]
             local[row] = stress @ points.gradients[place]
         local /= poses.sizes[:, None]
         total = np.empty_like(local)
         self._comm.Allreduce(local, total)
         return total.reshape(len(numbers), -1)
 
-    def point(self, number: int) -> LawPoints:
-        """One candidate of this rank as a group of its own."""
-        points, place = self._groups[self._group[number]], self._place[number]
-        return LawPoints(
-            law=points.law,
-            parameters=points.parameters[:, [place]],
-            gradients=points.gradients[[place]],
-            weights=points.weights[[place]],
-            numbers=points.numbers[[place]],
-        )
-
-    def _block_norms(self, points: LawPoints, answers: PoseResponses, scale: Array) -> list[Array]:
+    def _block_norms(self, points: LawPoints, answers: Array, scale: Array) -> list[Array]:
         norms = []
         for begin in range(0, len(points.weights), _BLOCK):
             part = slice(begin, begin + _BLOCK)
-            forces = answers.stress[part] @ points.gradients[part]
+            forces = answers[part] @ points.gradients[part]
             forces *= scale[:, None]
             norms.append(np.sqrt(np.einsum("ktr,ktr->k", forces, forces)))
         return norms
@@ -211,8 +200,8 @@ def select(
             if not found:
                 futile += 1 if subset is not None and subset < pool.size else _FUTILE
                 continue
-            fit.add(found, pool.columns(found, training, known=True))
-            elsewhere[found[0]] = pool.columns(found, held_out, known=False)[0]
+            fit.add(found, pool.columns(found, training))
+            elsewhere[found[0]] = pool.columns(found, held_out)[0]
             futile = 0 if found[0] in fit.keys else futile + 1
             sums = fit.weights @ np.array([elsewhere[key] for key in fit.keys])
             errors = (

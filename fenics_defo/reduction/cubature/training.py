@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -12,8 +12,8 @@ from fenics_defo.errors import DefoError
 from fenics_defo.fem import Solid
 from fenics_defo.reduction.cubature.candidates import (
     LawPoints,
-    answer,
     candidates,
+    stresses,
     total_force,
 )
 from fenics_defo.reduction.cubature.poses import Cloud, PoseSampler, rest_stiffness
@@ -131,7 +131,8 @@ def train_cubature(
         sampler = PoseSampler(groups, solid.comm, random)
     with _timed(seconds, "poses"):
         kind, train, judge = _clouds(sampler, poses, count or _pose_count(len(U)), strain)
-        training, held_out = (_answered(groups, c, solid) for c in (train, judge))
+        training = _answered(groups, train, solid)
+        held_out = replace(_answered(groups, judge, solid), answers=())
     with _timed(seconds, "selection"):
         pool = Pool(groups, training, solid.comm)
         chosen = select(
@@ -179,12 +180,12 @@ def assembled(groups: tuple[LawPoints, ...], chosen: Selection, solid: Solid) ->
         order = np.argsort(everywhere[0])
         if len(order):
             parts.append((points.law, *(column[order] for column in everywhere[1:])))
-    laws, weights, gradients, parameters = zip(*parts, strict=True)
+    laws, each, gradients, parameters = zip(*parts, strict=True)
     return CubatureForce(
-        np.concatenate(weights),
+        np.concatenate(each),
         np.concatenate(gradients),
         laws,
-        tuple(len(column) for column in weights),
+        tuple(len(column) for column in each),
         tuple(np.ascontiguousarray(values.T) for values in parameters),
     )
 
@@ -231,13 +232,13 @@ def _clouds(
 
 
 def _answered(groups: tuple[LawPoints, ...], cloud: Cloud, solid: Solid) -> Poses:
-    responses = tuple(answer(points, cloud.coordinates) for points in groups)
-    forces = total_force(groups, list(responses), solid.comm)
+    answers = tuple(stresses(points, cloud.coordinates) for points in groups)
+    forces = total_force(groups, answers, solid.comm)
     if not (np.isfinite(forces).all() and (np.linalg.norm(forces, axis=1) > 0.0).all()):
         raise DefoError(
             "the reduced force of a training pose is zero or not finite; train to a smaller strain"
         )
-    return Poses(cloud.coordinates, forces, responses)
+    return Poses(cloud.coordinates, forces, answers)
 
 
 def _with_correction(force: CubatureForce, lack: Array) -> CubatureForce:
