@@ -117,7 +117,7 @@ class _Kernels:
 
     def __init__(self, points: LawPoints, poses: int) -> None:
         self._points, self._poses = points, poses
-        self._uniform = bool((np.ptp(points.parameters, axis=1) == 0.0).all())
+        self._uniform = bool((points.parameters == points.parameters[:, :1]).all())
         self._last: PointKernel | None = None
 
     def __call__(self, part: slice) -> PointKernel:
