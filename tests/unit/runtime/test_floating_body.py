@@ -164,7 +164,9 @@ def test_free_fall_deforms_nothing() -> None:
     start = flyer.world_points()
     run(flyer, 50, gravity=g)
     fallen = 0.5 * VELOCITY + 0.125 * g
-    assert flyer.world_points() - start == pytest.approx(np.broadcast_to(fallen, (12, 3)), abs=1e-13)
+    assert flyer.world_points() - start == pytest.approx(
+        np.broadcast_to(fallen, (12, 3)), abs=1e-13
+    )
     assert flyer.velocity == pytest.approx(VELOCITY + 0.5 * g, abs=1e-13)
     assert flyer.time == pytest.approx(0.5)
     assert flyer.steps == 50
