@@ -36,6 +36,7 @@ _UNITS = {
     "loads": "J per unit of q",
     "probe_points": "m",
     "probe_shapes": "m per unit of q",
+    "force_stiffness": "J per unit of q squared",
     "force_linear": "J per unit of q squared",
     "force_quadratic": "J per unit of q cubed",
     "force_cubic": "J per unit of q to the fourth",
