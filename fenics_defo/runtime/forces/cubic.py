@@ -23,6 +23,8 @@ from fenics_defo.runtime.forces.symmetric import (
     diagonal_weights,
     fill_fourth_matrix,
     pairs,
+    read_fourth,
+    read_third,
     third_matrix,
     unique_count,
     unique_fourth,
@@ -160,11 +162,10 @@ class CubicForce:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays that a model file holds: K and the unique coefficients."""
-        cubic = self.cubic / diagonal_weights(self.size)
         return {
             "linear": self.linear,
-            "quadratic": unique_third(self.quadratic),
-            "cubic": unique_fourth(cubic),
+            "quadratic": read_third(self.quadratic),
+            "cubic": read_fourth(self.cubic / diagonal_weights(self.size)),
         }
 
     @classmethod

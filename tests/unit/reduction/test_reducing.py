@@ -21,8 +21,15 @@ from fenics_defo.energy import Invertible, LinearElastic, NeoHookean, StVenantKi
 from fenics_defo.errors import DefoError, LoadError, MaterialError, SelectionError
 from fenics_defo.fem import Solid
 from fenics_defo.reduction import Basis, basis_from_array, linear_basis, reduce
+from fenics_defo.runtime.integrators import ImplicitNewmark
 from tests.unit.fem.fem_bodies import MODULI
-from tests.unit.reduction.tabulated_bodies import SOFT, bent_body, coordinates, smooth_shapes
+from tests.unit.reduction.tabulated_bodies import (
+    SOFT,
+    bent_body,
+    coordinates,
+    end_node,
+    smooth_shapes,
+)
 
 SIZE = 5
 
@@ -38,16 +45,16 @@ def basis(solid: Solid) -> Basis:
 
 
 def test_a_model_needs_the_body_no_more(solid: Solid, basis: Basis, tmp_path: Path) -> None:
-    model = reduce(solid, basis, damping=(0.5, 1e-3), probes={"end": solid.points[7]})
+    model = reduce(solid, basis, damping=(0.5, 1e-3), probes={"end": solid.points[end_node(solid)]})
     assert (model.law.kind, model.size, model.damping) == ("cubic", SIZE, (0.5, 1e-3))
     q = coordinates(basis.shapes, 0.2, 3)
     np.testing.assert_allclose(model.displacement(q), np.tensordot(q, basis.shapes, 1), atol=1e-14)
     np.testing.assert_allclose(
-        model.probe("end", q), np.tensordot(q, basis.shapes, 1)[:, 7], atol=1e-12
+        model.probe("end", q), np.tensordot(q, basis.shapes, 1)[:, end_node(solid)], atol=1e-12
     )
     np.testing.assert_array_equal(model.outputs.cells, solid.cells)
     model.save(tmp_path / "one.npz")
-    reduce(solid, basis, damping=(0.5, 1e-3), probes={"end": solid.points[7]}).save(
+    reduce(solid, basis, damping=(0.5, 1e-3), probes={"end": solid.points[end_node(solid)]}).save(
         tmp_path / "two.npz"
     )
     assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "two.npz").read_bytes()
@@ -81,11 +88,11 @@ def test_modes_become_decoupled_oscillators() -> None:
 
 
 def test_loads_are_projected(solid: Solid, basis: Basis) -> None:
-    end = solid.points[:, 2].argmin()
+    end = end_node(solid)
     loads = {
         "weight": Gravity((0.0, 0.0, -9.81)),
-        "pull": PointLoad(node=int(end), vector=(1.0, 2.0, 3.0), history=Ramp(2.0)),
-        "blow": Impulse(node=int(end), vector=(3.0, 0.0, 1.0), time=0.5),
+        "pull": PointLoad(node=end, vector=(1.0, 2.0, 3.0), history=Ramp(2.0)),
+        "blow": Impulse(node=end, vector=(3.0, 0.0, 1.0), time=0.5),
         "air": Pressure("x>=0", 40.0, history=Ramp(1.0)),
     }
     model = reduce(solid, basis, loads=loads)
@@ -182,7 +189,7 @@ def test_the_direct_model_runs_but_is_not_stored(tmp_path: Path) -> None:
     solid = bent_body(NeoHookean(**MODULI))
     basis = basis_from_array(solid, smooth_shapes(solid, 2))
     model = reduce(solid, basis, "direct")
-    stepper = runtime.integrators.ImplicitNewmark(model, step=1e-3)
+    stepper = ImplicitNewmark(model, step=1e-3)
     stepper.advance(model.gravity((0.0, 0.0, -9.81)))
     assert np.isfinite(stepper.q).all()
     with pytest.raises(DefoError, match="cannot be stored"):
