@@ -16,10 +16,10 @@ from fenics_defo.energy.kinematics import (
 from fenics_defo.energy.law import Law
 from fenics_defo.energy.mass_spring import MassSpring
 from fenics_defo.energy.material import IsotropicMaterial, Material, cell_count
+from fenics_defo.energy.material_laws import material_law
 from fenics_defo.energy.materials import LinearElastic, MooneyRivlin, NeoHookean, StVenantKirchhoff
 from fenics_defo.energy.point_law import PointLaw
 from fenics_defo.energy.rest_state import RestState, linear_moduli, rest_state
-from fenics_defo.energy.storing import stored_law
 from fenics_defo.energy.stress import cauchy, first_piola, second_piola, tangent
 from fenics_defo.energy.tables import material_from_table, read_materials
 from fenics_defo.energy.user_energy import HyperelasticEnergy, IsotropicEnergy
@@ -53,11 +53,11 @@ __all__ = [
     "isochoric_invariants",
     "linear_moduli",
     "material_from_table",
+    "material_law",
     "read_materials",
     "rest_state",
     "right_cauchy_green",
     "second_piola",
     "small_strain",
-    "stored_law",
     "tangent",
 ]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fenics_defo.reduction.bases import linear_basis, modal_derivative_basis, snapshot_basis
     from fenics_defo.reduction.basis import Basis
+    from fenics_defo.reduction.cubature.training import CubatureTraining, train_cubature
     from fenics_defo.reduction.derivatives import modal_derivatives
     from fenics_defo.reduction.direct_force import DirectForce
     from fenics_defo.reduction.force_range import ForceRange, measure_range
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "Basis": "basis",
+    "CubatureTraining": "cubature.training",
     "DirectForce": "direct_force",
     "ForceRange": "force_range",
     "basis_from_array": "given_fields",
@@ -32,10 +34,12 @@ _HOME = {
     "tabulate_cubic": "tabulation",
     "tabulate_linear": "tabulation",
     "taylor_force": "tabulation",
+    "train_cubature": "cubature.training",
 }
 
 __all__ = [
     "Basis",
+    "CubatureTraining",
     "DirectForce",
     "ForceRange",
     "basis_from_array",
@@ -49,6 +53,7 @@ __all__ = [
     "tabulate_cubic",
     "tabulate_linear",
     "taylor_force",
+    "train_cubature",
 ]
 
 

@@ -92,6 +92,12 @@ def _region_gram(solid: Solid, region: LawRegion, fields: Array, *, pairs: bool)
 
 
 def derivatives_of_gram(gram: Array, r: int) -> EnergyDerivatives:
+    """Derivatives of the energy whose Gram matrix is given, see `strain_derivatives`.
+
+    Args:
+        gram: of the r e_i and the pairs' n_ij, complete and symmetric.
+        r: number of fields.
+    """
     i, j = np.triu_indices(r)
     pair = np.empty((r, r), np.intp)
     pair[i, j] = pair[j, i] = np.arange(len(i))

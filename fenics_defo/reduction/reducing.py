@@ -15,6 +15,7 @@ from fenics_defo.fem.projection import Projection
 from fenics_defo.fem.regions import select_nodes
 from fenics_defo.reduction.basis import Basis
 from fenics_defo.reduction.body_fields import checked_fields
+from fenics_defo.reduction.cubature.training import CubatureTraining, train_cubature
 from fenics_defo.reduction.direct_force import DirectForce
 from fenics_defo.reduction.floating_frame import inertia_integrals
 from fenics_defo.reduction.force_range import measure_range
@@ -49,6 +50,7 @@ def reduce(
     mass: MassKind = "consistent",
     floating: bool | None = None,
     range_tolerance: float | None = 0.01,
+    training: CubatureTraining | None = None,
 ) -> ReducedModel:
     """Project a body onto a basis: M q'' + C q' + f(q) = Uᵀ g.
 
@@ -58,8 +60,9 @@ def reduce(
         solid: body.
         basis: its coordinates.
         force: "linear", f = Uᵀ K(0) U q; "cubic", exact for st-venant-kirchhoff and linear laws;
-            "taylor", the third-order expansion about rest of any UFL energy; "direct", Uᵀ f(U q)
-            assembled at each call, which cannot be stored.
+            "taylor", the third-order expansion about rest of any UFL energy; "cubature", any law
+            but springs, summed over few points; "direct", Uᵀ f(U q) assembled at each call, which
+            cannot be stored.
         outputs: nodes whose displacement is wanted: a selection, or their numbers from 0; all if
             not given.
         loads: their projections are kept by name, see `projected_loads`; gravity is always there.
@@ -70,6 +73,8 @@ def reduce(
             it and no combination of the shapes is a rigid motion.
         range_tolerance: error of the force that is accepted in measuring how far "linear" and
             "taylor" may be trusted, see `measure_range`; None to leave the measurement out.
+        training: what `train_cubature` returned for this body and these shapes; for "cubature" with
+            options of your own.
 
     Returns:
         the model, with its provenance and, in its certificate, what is known of its force.
@@ -84,7 +89,9 @@ def reduce(
     projection, inertia = Projection(solid, shapes), mass_of(solid, mass)
     lumped = reduced_mass(solid, projection, inertia) if mass == "lumped" else None
     matrix = np.eye(basis.size) if basis.is_orthonormal else basis.mass
-    law = _law(solid, shapes, force)
+    if force == "cubature" and training is None:
+        training = train_cubature(solid, shapes)
+    law = _law(solid, shapes, force, training)
     return ReducedModel(
         law=law,
         mass=matrix if lumped is None else lumped,
@@ -95,7 +102,7 @@ def reduce(
         loads=projected_loads(solid, projection, inertia, loads),
         frame=_frame(solid, shapes, floating),
         provenance=provenance(solid, basis, force, mass),
-        certificate=_certificate(solid, shapes, law, range_tolerance),
+        certificate=_certificate(solid, shapes, law, range_tolerance, training),
     )
 
 
@@ -103,15 +110,10 @@ def check_force(force: str) -> None:
     """Check the name of a force law.
 
     Raises:
-        DefoError: it is unknown, or there is no such law yet.
+        DefoError: it is unknown.
     """
-    if force == "cubature":
-        raise DefoError(
-            'the force "cubature" is not available yet; take "cubic" (st-venant-kirchhoff), '
-            '"taylor" (any energy, small strains) or "direct" (any law, not storable)'
-        )
     if force not in _FORCES:
-        names = ", ".join(repr(name) for name in _FORCES if name != "cubature")
+        names = ", ".join(repr(name) for name in _FORCES)
         raise DefoError(f"force must be one of {names}, got {force!r}")
 
 
@@ -133,7 +135,20 @@ def _checked_shapes(solid: Solid, basis: Basis) -> Array:
     return shapes
 
 
-def _law(solid: Solid, shapes: Array, force: ForceKind) -> ForceLaw:
+def _law(
+    solid: Solid, shapes: Array, force: ForceKind, training: CubatureTraining | None
+) -> ForceLaw:
+    if (training is not None) != (force == "cubature"):
+        raise DefoError(
+            f'a training is for the force "cubature", and {force!r} was asked for; leave it out'
+        )
+    if training is not None:
+        if training.force.size != len(shapes):
+            raise DefoError(
+                f"the training is for {training.force.size} coordinates, and the basis has "
+                f"{len(shapes)}; train for the shapes of this basis"
+            )
+        return training.force
     match force:
         case "linear":
             return tabulate_linear(solid, shapes)
@@ -201,9 +216,15 @@ def _frame(solid: Solid, shapes: Array, floating: bool | None) -> FloatingFrame 
 
 
 def _certificate(
-    solid: Solid, shapes: Array, law: ForceLaw, tolerance: float | None
+    solid: Solid,
+    shapes: Array,
+    law: ForceLaw,
+    tolerance: float | None,
+    training: CubatureTraining | None,
 ) -> dict[str, Any]:
     """What is known of the force within the basis, against `DirectForce`."""
+    if training is not None:
+        return {"force": {"kind": law.kind, "exact": False} | training.certificate()}
     exact = law.kind in ("cubic", "direct") or (law.kind == "linear" and solid.is_linear)
     told: dict[str, Any] = {"force": {"kind": law.kind, "exact": exact}}
     if not exact and tolerance is not None:

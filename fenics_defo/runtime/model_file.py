@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 from fenics_defo.errors import DefoError, FileFormatError
 from fenics_defo.runtime.archive import ArraySpec, read_archive, write_archive
 from fenics_defo.runtime.floating.frame import FloatingFrame
-from fenics_defo.runtime.forces import CubicForce, LinearForce, StoredLaw, TaylorForce
+from fenics_defo.runtime.forces import (
+    CubatureForce,
+    CubicForce,
+    LinearForce,
+    StoredLaw,
+    TaylorForce,
+)
 from fenics_defo.runtime.metadata import json_text, parse_mapping
 from fenics_defo.runtime.outputs import Outputs, Probe
 
@@ -22,7 +28,7 @@ KIND = "reduced model"
 VERSION = 1
 
 FORCE_LAWS: Mapping[str, type[StoredLaw]] = {
-    law.kind: law for law in (LinearForce, CubicForce, TaylorForce)
+    law.kind: law for law in (LinearForce, CubicForce, TaylorForce, CubatureForce)
 }
 """The laws that a file can hold, by the name that it gives."""
 
@@ -40,6 +46,9 @@ _UNITS = {
     "force_linear": "J per unit of q squared",
     "force_quadratic": "J per unit of q cubed",
     "force_cubic": "J per unit of q to the fourth",
+    "force_weights": "m^3",
+    "force_gradients": "1 per unit of q",
+    "force_correction": "J per unit of q squared",
 }
 _CHOICES = {
     "format_version": ArraySpec("iu", 0),

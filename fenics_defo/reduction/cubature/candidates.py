@@ -4,17 +4,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from mpi4py import MPI
-
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.energy import stored_law
+from fenics_defo.energy import material_law
 from fenics_defo.fem import Solid
+from fenics_defo.fem.compat import MPI
 from fenics_defo.fem.field_gradients import region_gradients
 from fenics_defo.fem.input_order import cell_rows
 from fenics_defo.fem.projection import Projection
-from fenics_defo.runtime.laws import PointKernel, StoredLaw
+from fenics_defo.runtime.laws import MaterialLaw, PointKernel
 from fenics_defo.runtime.laws.kernel import IDENTITY
 
 Array = NDArray[np.float64]
@@ -38,7 +37,7 @@ class LawPoints:
             number of ranks.
     """
 
-    law: StoredLaw
+    law: MaterialLaw
     parameters: Array
     gradients: Array
     weights: Array
@@ -63,7 +62,7 @@ def candidates(solid: Solid, shapes: Array) -> tuple[LawPoints, ...]:
     rows = cell_rows(solid.space.mesh)
     groups = []
     for region in solid.fields.regions:
-        law = stored_law(region.material)
+        law = material_law(region.material)
         blocks = region_gradients(
             solid.space, region, fields, degree=solid.degrees.energy, points=_POINTS
         )

@@ -3,13 +3,12 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-from mpi4py import MPI
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.blas import dsyrk
 
 from fenics_defo.errors import DefoError
+from fenics_defo.fem.compat import MPI
 from fenics_defo.reduction.cubature.candidates import LawPoints, some_points, volumes
 from fenics_defo.reduction.gram_tabulation import derivatives_of_gram
 from fenics_defo.reduction.strain_columns import StrainColumns

@@ -3,11 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mpi4py import MPI
-
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.fem.compat import MPI
 from fenics_defo.reduction.cubature.candidates import LawPoints, some_points, stresses
 from fenics_defo.reduction.cubature.nonnegative import GrowingLeastSquares
 

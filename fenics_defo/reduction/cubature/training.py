@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -80,6 +80,25 @@ class CubatureTraining:
     def held_out_error(self) -> float:
         """The same over poses that the weights were not fitted to [-]."""
         return float(self.curve.held_out[-1])
+
+    def certificate(self) -> dict[str, Any]:
+        """What a model says of its cubature, in plain values."""
+        return {
+            "points": self.points,
+            "candidates": self.candidates,
+            "tolerance": self.tolerance,
+            "training_error": self.training_error,
+            "held_out_error": self.held_out_error,
+            "poses": len(self.poses),
+            "pose_kind": self.kind,
+            "redrawn": self.redrawn,
+            "largest_strain": float(self.strains.max()),
+            "largest_coordinates": np.abs(self.poses).max(axis=0).tolist(),
+            "rest_frequency_error": self.rest_error,
+            "keeps_rest_stiffness": self.force.correction is not None,
+            "seed": self.seed,
+            "advice": self.advice,
+        }
 
 
 def train_cubature(

@@ -17,19 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.archive import ArraySpec
-from fenics_defo.runtime.forces.coordinates import (
-    by_batches,
-    checked,
-    frozen_array,
-    symmetric_array,
-)
+from fenics_defo.runtime.forces.coordinates import by_batches, checked
 from fenics_defo.runtime.forces.cubature_evaluators import (
     CubatureBatchEvaluator,
     CubatureEvaluator,
     PointGroup,
 )
 from fenics_defo.runtime.forces.law_tables import LAW_ARRAYS, pack_laws, unpack_laws
-from fenics_defo.runtime.laws import StoredLaw
+from fenics_defo.runtime.frozen import frozen_array, symmetric_array
+from fenics_defo.runtime.laws import MaterialLaw
 from fenics_defo.runtime.laws.kernel import IDENTITY
 
 Array = NDArray[np.float64]
@@ -40,7 +36,7 @@ _BUFFER = 1 << 18
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CubatureForce:
-    """Force of any stored laws at p weighted points.
+    """Force of any material laws at p weighted points.
 
     Args:
         weights: w (p,) [m³], positive.
@@ -65,7 +61,7 @@ class CubatureForce:
 
     weights: Array
     gradients: Array
-    laws: tuple[StoredLaw, ...]
+    laws: tuple[MaterialLaw, ...]
     counts: tuple[int, ...]
     parameters: tuple[Array, ...]
     correction: Array | None = None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.runtime.laws import PointKernel, StoredLaw
+from fenics_defo.runtime.laws import MaterialLaw, PointKernel
 from fenics_defo.runtime.laws.kernel import IDENTITY
 
 Array = NDArray[np.float64]
@@ -26,7 +26,7 @@ class PointGroup:
         weighted_blocks: w G (9 n, r), point by point.
     """
 
-    law: StoredLaw
+    law: MaterialLaw
     parameters: Array
     weights: Array
     rows: Array
@@ -36,7 +36,7 @@ class PointGroup:
 
     @classmethod
     def of(
-        cls, law: StoredLaw, parameters: Array, gradients: Array, weights: Array
+        cls, law: MaterialLaw, parameters: Array, gradients: Array, weights: Array
     ) -> "PointGroup":
         """The group of points with gradients (n, 9, r) and weights (n,)."""
         r = gradients.shape[2]

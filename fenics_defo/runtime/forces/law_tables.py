@@ -1,4 +1,4 @@
-"""Several stored laws and their points as a few flat arrays."""
+"""Several material laws and their points as a few flat arrays."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.archive import ArraySpec
-from fenics_defo.runtime.laws import StoredLaw
+from fenics_defo.runtime.laws import MaterialLaw
 
 Array = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ _PARTS = ("names", "constants", "codes", "operands", "outputs")
 
 
 def pack_laws(
-    laws: Sequence[StoredLaw], counts: Sequence[int], parameters: Sequence[Array]
+    laws: Sequence[MaterialLaw], counts: Sequence[int], parameters: Sequence[Array]
 ) -> dict[str, NDArray[Any]]:
     """The arrays of `LAW_ARRAYS`: those of the laws, one after the other, and their lengths."""
     tables = [law.arrays() for law in laws]
@@ -54,7 +54,7 @@ def pack_laws(
 
 def unpack_laws(
     arrays: Mapping[str, NDArray[Any]],
-) -> tuple[tuple[StoredLaw, ...], tuple[int, ...], tuple[Array, ...]]:
+) -> tuple[tuple[MaterialLaw, ...], tuple[int, ...], tuple[Array, ...]]:
     """Laws, number of points and parameters of each, from the arrays of `pack_laws`.
 
     Raises:
@@ -71,7 +71,7 @@ def unpack_laws(
         for column, part in enumerate(_PARTS)
     }
     laws = tuple(
-        StoredLaw.from_arrays(
+        MaterialLaw.from_arrays(
             {
                 "kind": arrays["law_kinds"][row],
                 "tangent": arrays["law_tangents"][row],

@@ -197,8 +197,6 @@ def test_the_direct_model_runs_but_is_not_stored(tmp_path: Path) -> None:
 
 
 def test_requests_that_make_no_sense(solid: Solid, basis: Basis) -> None:
-    with pytest.raises(DefoError, match='"cubature" is not available yet'):
-        reduce(solid, basis, "cubature")
     with pytest.raises(DefoError, match="force must be one of 'linear', 'cubic'"):
         reduce(solid, basis, "quadratic")
     with pytest.raises(DefoError, match="use basis_from_array"):

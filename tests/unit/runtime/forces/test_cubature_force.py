@@ -34,7 +34,7 @@ def force_law(*names, points=8, seed=0, correction=None):
     laws, parameters, counts = [], [], []
     for name in names:
         material = LAWS[name]
-        law = energy.stored_law(material)
+        law = energy.material_law(material)
         laws.append(law)
         counts.append(points)
         values = [material.parameters[n] * rng.uniform(0.5, 2.0, points) for n in law.names]

@@ -1,4 +1,4 @@
-"""A stored law answers, with NumPy alone, what UFL's derivatives and the point laws answer."""
+"""A law that a file holds answers, with NumPy alone, what UFL and the point laws answer."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ from energy_laws import (
 from fenics_defo import energy
 from fenics_defo.errors import FileFormatError, MaterialError
 from fenics_defo.runtime.archive import read_archive, write_archive
-from fenics_defo.runtime.laws import StoredLaw
+from fenics_defo.runtime.laws import MaterialLaw
 
 COROTATIONAL = energy.Corotational(young=2.0, poisson=0.3, density=1.0)
 INVERTIBLE = [energy.Invertible(law, threshold=0.3, tangent="exact") for law in ISOTROPIC]
@@ -28,7 +28,7 @@ POINT_LAWS = [COROTATIONAL, *INVERTIBLE, energy.Invertible(NEO_HOOKEAN)]
 
 
 def kernel(material, count):
-    law = energy.stored_law(material)
+    law = energy.material_law(material)
     return law.kernel([material.parameters[n] for n in law.names], count)
 
 
@@ -75,7 +75,7 @@ def test_a_kernel_answers_again_at_other_gradients(material):
 
 
 def test_parameters_may_differ_from_point_to_point():
-    F, law = deformations(6), energy.stored_law(NEO_HOOKEAN)
+    F, law = deformations(6), energy.material_law(NEO_HOOKEAN)
     factors = np.linspace(1.0, 2.0, 6)
     own = law.kernel([NEO_HOOKEAN.parameters[n] * factors for n in law.names], 6)
     own.gradients[:] = F.reshape(-1, 9).T
@@ -85,11 +85,11 @@ def test_parameters_may_differ_from_point_to_point():
 
 @pytest.mark.parametrize("material", [MOONEY_RIVLIN, YEOH, FIBRE, *POINT_LAWS[:2]], ids=str)
 def test_a_law_goes_through_a_file(material, tmp_path):
-    law = energy.stored_law(material)
+    law = energy.material_law(material)
     path = tmp_path / "law.npz"
     write_archive(path, law.arrays(), kind="law", version=1, units={})
-    arrays = read_archive(path, kind="law", version=1, required=StoredLaw.SPECS)
-    again = StoredLaw.from_arrays(arrays)
+    arrays = read_archive(path, kind="law", version=1, required=MaterialLaw.SPECS)
+    again = MaterialLaw.from_arrays(arrays)
     parameters, F = [material.parameters[n] for n in law.names], deformations(9)
     kernels = [one.kernel(parameters, 9) for one in (law, again)]
     for one in kernels:
@@ -97,19 +97,19 @@ def test_a_law_goes_through_a_file(material, tmp_path):
     np.testing.assert_array_equal(kernels[0].stress(), kernels[1].stress())
 
 
-def test_a_stored_law_that_does_not_fit_together_is_refused():
-    good = energy.stored_law(NEO_HOOKEAN)
+def test_a_law_that_does_not_fit_together_is_refused():
+    good = energy.material_law(NEO_HOOKEAN)
     arrays = good.arrays()
     with pytest.raises(FileFormatError, match="'plastic'"):
-        StoredLaw.from_arrays(arrays | {"kind": np.array("plastic")})
+        MaterialLaw.from_arrays(arrays | {"kind": np.array("plastic")})
     with pytest.raises(FileFormatError, match="lacks"):
-        StoredLaw.from_arrays(arrays | {"kind": np.array("general")})
+        MaterialLaw.from_arrays(arrays | {"kind": np.array("general")})
     with pytest.raises(FileFormatError, match="lacks"):
-        StoredLaw.from_arrays(arrays | {"names": np.array(["mu"])})
+        MaterialLaw.from_arrays(arrays | {"names": np.array(["mu"])})
     with pytest.raises(FileFormatError, match="threshold"):
-        StoredLaw.from_arrays(arrays | {"threshold": np.array(0.5)})
+        MaterialLaw.from_arrays(arrays | {"threshold": np.array(0.5)})
 
 
 def test_springs_have_no_energy_at_a_point():
     with pytest.raises(MaterialError, match="MassSpring"):
-        energy.stored_law(energy.MassSpring(young=1.0, density=1.0))
+        energy.material_law(energy.MassSpring(young=1.0, density=1.0))

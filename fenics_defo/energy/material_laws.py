@@ -1,4 +1,4 @@
-"""Materials as data that a model file keeps, see `fenics_defo.runtime.laws.StoredLaw`."""
+"""Materials as data that a model file keeps, see `fenics_defo.runtime.laws.MaterialLaw`."""
 
 from fenics_defo.energy.corotational import Corotational
 from fenics_defo.energy.invertible import Invertible
@@ -6,10 +6,10 @@ from fenics_defo.energy.law import Law
 from fenics_defo.energy.lowering import lower_general, lower_isotropic
 from fenics_defo.energy.material import IsotropicMaterial, Material
 from fenics_defo.errors import MaterialError
-from fenics_defo.runtime.laws import StoredLaw
+from fenics_defo.runtime.laws import MaterialLaw
 
 
-def stored_law(material: Law) -> StoredLaw:
+def material_law(material: Law) -> MaterialLaw:
     """The law of a material, its parameters left open: as data, without UFL.
 
     Raises:
@@ -17,10 +17,10 @@ def stored_law(material: Law) -> StoredLaw:
             answers at points has no formula to store.
     """
     if isinstance(material, Corotational):
-        return StoredLaw(kind="corotational", names=("mu", "lmbda"), tangent=material.tangent)
+        return MaterialLaw(kind="corotational", names=("mu", "lmbda"), tangent=material.tangent)
     if isinstance(material, Invertible):
         lowered = lower_isotropic(material.material)
-        return StoredLaw(
+        return MaterialLaw(
             kind="invertible",
             names=lowered.names,
             listing=lowered.listing,
@@ -29,10 +29,10 @@ def stored_law(material: Law) -> StoredLaw:
         )
     if isinstance(material, IsotropicMaterial):
         lowered = lower_isotropic(material)
-        return StoredLaw(kind="isotropic", names=lowered.names, listing=lowered.listing)
+        return MaterialLaw(kind="isotropic", names=lowered.names, listing=lowered.listing)
     if isinstance(material, Material):
         lowered = lower_general(material)
-        return StoredLaw(kind="general", names=lowered.names, listing=lowered.listing)
+        return MaterialLaw(kind="general", names=lowered.names, listing=lowered.listing)
     raise MaterialError(
         f"{type(material).__name__} has no energy that a model file could hold; use a law with a "
         "strain energy, Corotational or Invertible"

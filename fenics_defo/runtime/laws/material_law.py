@@ -33,7 +33,7 @@ _TANGENTS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class StoredLaw:
+class MaterialLaw:
     """A material law that runs where UFL is not installed.
 
     Args:
