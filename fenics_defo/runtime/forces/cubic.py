@@ -17,22 +17,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fenics_defo.runtime.archive import ArraySpec
-from fenics_defo.runtime.forces.coordinates import (
-    by_batches,
-    checked,
-    frozen_array,
-    symmetric_array,
-)
+from fenics_defo.runtime.forces.coordinates import by_batches, checked
 from fenics_defo.runtime.forces.cubic_evaluators import CubicBatchEvaluator, CubicEvaluator
 from fenics_defo.runtime.forces.symmetric import (
     diagonal_weights,
     fill_fourth_matrix,
     pairs,
+    read_fourth,
+    read_third,
     third_matrix,
     unique_count,
     unique_fourth,
     unique_third,
 )
+from fenics_defo.runtime.frozen import frozen_array, symmetric_array
 
 Array = NDArray[np.float64]
 
@@ -164,11 +162,10 @@ class CubicForce:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays that a model file holds: K and the unique coefficients."""
-        cubic = self.cubic / diagonal_weights(self.size)
         return {
             "linear": self.linear,
-            "quadratic": unique_third(self.quadratic),
-            "cubic": unique_fourth(cubic),
+            "quadratic": read_third(self.quadratic),
+            "cubic": read_fourth(self.cubic / diagonal_weights(self.size)),
         }
 
     @classmethod
