@@ -89,8 +89,8 @@ def basis_from_array(solid: Solid, shapes: ArrayLike) -> Basis:
 
 def _check_independent(solid: Solid, columns: Array) -> None:
     """Refuse unit columns of which one is nearly a combination of others."""
-    _, R = orthonormal_factors(solid, columns)
-    _, values, right = np.linalg.svd(R)
+    _, L, R = orthonormal_factors(solid, columns)
+    _, values, right = np.linalg.svd(L.T @ R)
     if len(values) == columns.shape[1] and values[-1] > _DEPENDENT * values[0]:
         return
     weights = np.abs(right[-1])
