@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 # Columns that are dependent to this part of their length make a mass that cannot be inverted.
 _DEPENDENT = 1e-7
 # What is left of a unit field outside a basis that it is joined to, for it to count.
-_NEW = 1e-8
+_NEW = 1e-6
 
 
 def join(solid: Solid, *bases: Basis) -> Basis:
