@@ -48,7 +48,8 @@ def numbers(solid, modes):
     snapshots = size * modes.shapes[-3:] + derivatives[:3]
     example = snapshot_basis(solid, snapshots, share=1.0)
     given = basis_from_array(solid, snapshots)
-    both = join(solid, linear, example)
+    wave = np.where(solid.held, 0.0, np.sin(3.0 * solid.points))
+    both = join(solid, linear, basis_from_array(solid, wave[None]))
     bases = (linear, curved, example, given, both)
     return {
         "derivatives": derivatives,
