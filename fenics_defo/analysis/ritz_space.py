@@ -2,11 +2,11 @@
 
 What bounds a search of many steps is the memory that its vectors are read from. Here a step reads
 them twice: once for their products with A and M times the new block, once to combine Ritz vectors.
-The basis is roughly orthonormal in A: a correction T (A x - θ M x) of a Ritz vector is orthogonal to
-it as it is, as nearly as T is A⁻¹, since the residual is orthogonal to the space (Galerkin). So the
-corrections enter it without having been orthogonalised, and the projected problem takes the Gram
-matrix Vᵀ A V as it is. Only a block that leans on the basis, as a random one does, or whose columns
-nearly depend on each other, is orthogonalised first.
+The basis is roughly orthonormal in A: a correction T (A x - θ M x) of a Ritz vector is orthogonal
+to it as it is, as nearly as T is A⁻¹, since the residual is orthogonal to the space (Galerkin). So
+the corrections enter it without having been orthogonalised, and the projected problem takes the
+Gram matrix Vᵀ A V as it is. Only a block that leans on the basis, as a random one does, or whose
+columns nearly depend on each other, is orthogonalised first.
 """
 
 from collections.abc import Callable
