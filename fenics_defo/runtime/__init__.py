@@ -12,6 +12,13 @@ if TYPE_CHECKING:
     from fenics_defo.runtime.comparison import mac
     from fenics_defo.runtime.floating import FloatingFrame
     from fenics_defo.runtime.forces import CubicForce, ForceLaw, LinearForce, TaylorForce
+    from fenics_defo.runtime.integrators import (
+        BackwardEuler,
+        CentralDifferences,
+        ImplicitNewmark,
+        ModalFilter,
+        SymplecticEuler,
+    )
     from fenics_defo.runtime.model import ReducedModel
     from fenics_defo.runtime.model import load_model as load
     from fenics_defo.runtime.modes import DIRECTIONS, NODES_PER_CELL, Modes, load_modes
@@ -21,14 +28,19 @@ _HOME = {
     "DIRECTIONS": "modes",
     "NODES_PER_CELL": "modes",
     "ArraySpec": "archive",
+    "BackwardEuler": "integrators",
+    "CentralDifferences": "integrators",
     "CubicForce": "forces",
     "FloatingFrame": "floating",
     "ForceLaw": "forces",
+    "ImplicitNewmark": "integrators",
     "LinearForce": "forces",
+    "ModalFilter": "integrators",
     "Modes": "modes",
     "Outputs": "outputs",
     "Probe": "outputs",
     "ReducedModel": "model",
+    "SymplecticEuler": "integrators",
     "TaylorForce": "forces",
     "atomic_path": "atomic",
     "check_writable": "atomic",
@@ -43,14 +55,19 @@ __all__ = [
     "DIRECTIONS",
     "NODES_PER_CELL",
     "ArraySpec",
+    "BackwardEuler",
+    "CentralDifferences",
     "CubicForce",
     "FloatingFrame",
     "ForceLaw",
+    "ImplicitNewmark",
     "LinearForce",
+    "ModalFilter",
     "Modes",
     "Outputs",
     "Probe",
     "ReducedModel",
+    "SymplecticEuler",
     "TaylorForce",
     "atomic_path",
     "check_writable",
