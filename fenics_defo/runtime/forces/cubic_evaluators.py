@@ -76,6 +76,8 @@ class CubicBatchEvaluator:
     """
 
     __slots__ = (
+        "_bent",
+        "_coordinates",
         "_first",
         "_force",
         "_left",
@@ -91,16 +93,19 @@ class CubicBatchEvaluator:
 
     def __init__(self, table: Array, linear: Array, bodies: int) -> None:
         r = len(linear)
-        self._table = table
+        self._table = table.T
         self._first, self._second = pairs(r)
-        self._terms = np.empty((table.shape[1], bodies))
-        self._terms[0] = 1.0
-        self._products = self._terms[1 + r :]
+        terms = np.empty((table.shape[1], bodies))
+        terms[0] = 1.0
+        self._terms = terms.T
+        self._coordinates = terms[1 : 1 + r]
+        self._products = terms[1 + r :]
         self._left = np.empty((len(table), bodies))
         self._packed = np.empty((bodies, len(table)))
         self._places = pair_places(r)
         self._stiffness = np.empty((bodies, r, r))
         self._force = np.empty((bodies, r))
+        self._bent = np.empty((bodies, r, 1))
         self._matrix = _rest(table, linear)
 
     def force(self, q: Array) -> Array:
@@ -109,14 +114,14 @@ class CubicBatchEvaluator:
 
     def force_and_stiffness(self, q: Array) -> tuple[Array, Array]:
         """Return f (b, r) and K (b, r, r), overwritten by the next call."""
-        r = self._force.shape[1]
-        coordinates = self._terms[1 : 1 + r]
-        np.copyto(coordinates, q.T)
-        coordinates.take(self._first, 0, self._left, "clip")
-        coordinates.take(self._second, 0, self._products, "clip")
+        np.copyto(self._coordinates, q.T)
+        self._coordinates.take(self._first, 0, self._left, "clip")
+        self._coordinates.take(self._second, 0, self._products, "clip")
         np.multiply(self._left, self._products, self._products)
-        np.dot(self._terms.T, self._table.T, self._packed)
+        np.dot(self._terms, self._table, self._packed)
         self._packed.take(self._places, 1, self._stiffness, "clip")
-        np.dot(self._terms[1:].T, self._matrix, self._force)
-        self._force += np.matmul(self._stiffness, q[:, :, None])[:, :, 0] / 3.0
+        np.dot(self._terms[:, 1:], self._matrix, self._force)
+        np.matmul(self._stiffness, q[:, :, None], self._bent)
+        np.multiply(self._bent, 1.0 / 3.0, self._bent)
+        np.add(self._force, self._bent[:, :, 0], self._force)
         return self._force, self._stiffness
