@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +17,8 @@ from fenics_defo.runtime.floating.arguments import (
     checked_step,
     checked_vector,
 )
-from fenics_defo.runtime.floating.frame import FloatingFrame
+from fenics_defo.runtime.floating.conserved import FloatingEnergies, kinetic_energy, momenta
+from fenics_defo.runtime.floating.flying_model import FlyingModel
 from fenics_defo.runtime.floating.inertia import Inertia
 from fenics_defo.runtime.floating.loads import Loads
 from fenics_defo.runtime.floating.state import FloatingState
@@ -28,47 +28,6 @@ Array = NDArray[np.float64]
 
 type Coupling = Literal["full", "none"]
 type Force = tuple[int, ArrayLike]
-
-
-class FlyingModel(Protocol):
-    """What `FloatingBody` needs of a reduced model."""
-
-    @property
-    def law(self) -> Any:
-        """Elastic force law of q."""
-
-    @property
-    def frame(self) -> FloatingFrame | None:
-        """Integrals of mass; None for a body that is held."""
-
-    @property
-    def damping(self) -> tuple[float, float]:
-        """(alpha [1/s], beta [s])."""
-
-    @property
-    def nodes(self) -> NDArray[np.int64]:
-        """Stored nodes (p,), zero-based in the file's order."""
-
-    @property
-    def points(self) -> Array:
-        """Their places at rest (p, 3) [m]."""
-
-    @property
-    def shapes(self) -> Array:
-        """Their displacements by the shapes (p, 3, r)."""
-
-
-@dataclass(frozen=True, slots=True)
-class FloatingEnergies:
-    """Energies of a floating body [J]; with the leading axes of a batch.
-
-    Args:
-        kinetic: of the whole motion.
-        strain: elastic.
-    """
-
-    kinetic: Array
-    strain: Array
 
 
 class FloatingBody:
@@ -82,6 +41,10 @@ class FloatingBody:
     loads momentum and angular momentum stay the same to round-off, whatever the step and the
     number of Newton iterations; the energy has an error of second order that does not drift when
     Newton's method converges.
+
+    A spin stretches and bends the body by its shapes only. That a stretched body is stiffer in
+    bending is a matter of the force law and the shapes: a cubic law with modal derivatives has it,
+    a linear law has not, and then a fast spin softens the body until it diverges.
 
     A batch (b, ...) of bodies of one model is moved at once when ``q`` or another of the initial
     values has a leading axis.
@@ -153,6 +116,7 @@ class FloatingBody:
         self.coupling = coupling
         self._frame = frame
         self._steps = 0
+        self._first: Loads | None = None
         self._rows = {int(node): row for row, node in enumerate(model.nodes)}
         self._stepper = FloatingStep(
             model.law,
@@ -235,21 +199,12 @@ class FloatingBody:
     @property
     def energies(self) -> FloatingEnergies:
         """Energies of the last good state."""
-        now, inertia = self._now, self._stepper.inertia
-        at = inertia.at(now.q)
-        turning = 0.5 * _times(at.inertia, now.spin) + _times(at.coupling, now.v)
-        kinetic = 0.5 * self._frame.mass * (now.velocity**2).sum(axis=-1)
-        kinetic += (now.spin * turning).sum(axis=-1)
-        kinetic += 0.5 * (now.v * _times(inertia.mass, now.v)).sum(axis=-1)
-        return FloatingEnergies(kinetic, np.asarray(self.model.law.energy(now.q)))
+        kinetic = kinetic_energy(self._now, self._stepper.inertia, mass=self._frame.mass)
+        return FloatingEnergies(kinetic, np.asarray(self.model.law.energy(self._now.q)))
 
     def momentum(self) -> tuple[Array, Array]:
         """Momentum [kg m/s] and angular momentum about the world's origin [kg m²/s], (..., 3)."""
-        now = self._now
-        at = self._stepper.inertia.at(now.q)
-        linear = self._frame.mass * now.velocity
-        angular = _times(now.rotation, _times(at.inertia, now.spin) + _times(at.coupling, now.v))
-        return linear, angular + rotations.cross(now.position, linear)
+        return momenta(self._now, self._stepper.inertia, mass=self._frame.mass)
 
     def world_points(self) -> Array:
         """Where the model's stored nodes are (..., p, 3) [m]."""
@@ -263,6 +218,22 @@ class FloatingBody:
         """How far the stored nodes are from where they are at rest in the model (..., p, 3) [m]."""
         return self.world_points() - self.model.points
 
+    def begin(
+        self,
+        load: ArrayLike | None = None,
+        *,
+        gravity: ArrayLike = (0.0, 0.0, 0.0),
+        forces: Iterable[Force] = (),
+    ) -> None:
+        """Say which loads act at time zero, as `advance`; if not said, those of the first step.
+
+        Raises:
+            DefoError: as `advance`; or the motion has begun.
+        """
+        if self._steps:
+            raise DefoError(f"the motion has begun {self._steps} steps ago; begin before the first")
+        self._first = self._loads(load, gravity, list(forces))
+
     def advance(
         self,
         load: ArrayLike | None = None,
@@ -271,8 +242,6 @@ class FloatingBody:
         forces: Iterable[Force] = (),
     ) -> None:
         """Do one step under loads that act at its end; between the ends they change linearly.
-
-        The loads of the first step act from time zero on.
 
         Args:
             load: generalised load (r,) or (b, r) on the deformation alone: what has no resultant
@@ -287,8 +256,7 @@ class FloatingBody:
         loads = self._loads(load, gravity, list(forces))
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             try:
-                start = self._stepper.begun(self._now, loads) if self._steps == 0 else self._now
-                reached = self._stepper.advance(start, loads)
+                reached = self._stepper.advance(self._start(loads), loads)
                 reason = "" if reached.is_finite() else "the motion became infinite or no number"
             except StepFailure as failure:
                 reason = str(failure)
@@ -304,6 +272,11 @@ class FloatingBody:
             )
         self._now = reached
         self._steps += 1
+
+    def _start(self, loads: Loads) -> FloatingState:
+        if self._steps:
+            return self._now
+        return self._stepper.begun(self._now, loads if self._first is None else self._first)
 
     def _loads(self, load: ArrayLike | None, gravity: ArrayLike, forces: Sequence[Force]) -> Loads:
         r = self._frame.size
