@@ -1,26 +1,28 @@
 """A reduced body that flies: it tumbles, falls and is pushed while it deforms."""
 
-import math
 from collections.abc import Iterable, Sequence
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fenics_defo.errors import DefoError, DivergenceError, LoadError
+from fenics_defo.errors import DefoError, DivergenceError
 from fenics_defo.runtime.floating import rotations
 from fenics_defo.runtime.floating.arguments import (
+    check_batches,
     checked_damping,
     checked_forces,
     checked_newton,
     checked_rotation,
     checked_step,
     checked_vector,
+    common_batch,
 )
 from fenics_defo.runtime.floating.conserved import FloatingEnergies, kinetic_energy, momenta
 from fenics_defo.runtime.floating.flying_model import FlyingModel
 from fenics_defo.runtime.floating.inertia import Inertia
 from fenics_defo.runtime.floating.loads import Loads
+from fenics_defo.runtime.floating.products import times
 from fenics_defo.runtime.floating.state import FloatingState
 from fenics_defo.runtime.floating.step import FloatingStep, StepFailure
 
@@ -59,7 +61,7 @@ class FloatingBody:
         coupling: "full", or "none". "none" neglects the inertial coupling of rotation and
             deformation: centrifugal, Coriolis and Euler forces upon the deformation, the change of
             inertia by it and its angular momentum. The body then spins as if it were rigid and
-            deforms as if it did not spin; cheaper, and right to first order for slow spins.
+            deforms as if it did not spin: for spins that are slow beside its lowest frequency.
         position: of the centre of mass (3,) [m]; the one at rest if not given.
         rotation: from the frame's axes to the world's, a matrix (3, 3) or a unit quaternion (4,),
             scalar first; none if not given.
@@ -72,7 +74,7 @@ class FloatingBody:
         DefoError: the model has no floating frame, or an argument is out of range.
         StepSizeError: the step is not positive and finite.
 
-    References: Shabana, Dynamics of Multibody Systems, section 5; Hairer, Lubich and Wanner,
+    References: Shabana, Dynamics of Multibody Systems, chapter 5; Hairer, Lubich and Wanner,
     Geometric Numerical Integration (2006), on symmetric methods.
     """
 
@@ -110,7 +112,7 @@ class FloatingBody:
             "v": checked_vector("v", np.zeros(r) if v is None else v, size=r),
         }
         turned = checked_rotation(np.eye(3) if rotation is None else rotation)
-        self._batch = _common_batch(*(x.shape[:-1] for x in given.values()), turned.shape[:-2])
+        self._batch = common_batch(*(x.shape[:-1] for x in given.values()), turned.shape[:-2])
         self.model = model
         self.step = checked_step(step)
         self.coupling = coupling
@@ -131,10 +133,10 @@ class FloatingBody:
 
     def _started(self, given: dict[str, Array], rotation: Array) -> FloatingState:
         full = {k: np.broadcast_to(x, (*self._batch, x.shape[-1])) for k, x in given.items()}
-        spin = _times(np.swapaxes(rotation, -1, -2), full["angular_velocity"])
+        spin = times(np.swapaxes(rotation, -1, -2), full["angular_velocity"])
         inertia = self._stepper.inertia
         at = inertia.at(full["q"])
-        angular = _times(at.inertia, spin) + _times(at.coupling, full["v"])
+        angular = times(at.inertia, spin) + times(at.coupling, full["v"])
         by_spin = (spin[..., None, :] @ at.coupling)[..., 0, :]
         return FloatingState(
             time=0.0,
@@ -144,8 +146,8 @@ class FloatingBody:
             spin=spin,
             q=full["q"],
             v=full["v"],
-            angular=_times(rotation, angular),
-            momenta=_times(inertia.mass, full["v"]) + by_spin,
+            angular=times(rotation, angular),
+            momenta=times(inertia.mass, full["v"]) + by_spin,
             push=np.zeros_like(full["q"]),
             force=np.zeros_like(spin),
             moment=np.zeros_like(spin),
@@ -184,7 +186,7 @@ class FloatingBody:
     @property
     def angular_velocity(self) -> Array:
         """Of the frame, in the world's axes (..., 3) [rad/s]."""
-        return _times(self._now.rotation, self._now.spin)
+        return times(self._now.rotation, self._now.spin)
 
     @property
     def q(self) -> Array:
@@ -284,12 +286,7 @@ class FloatingBody:
         fall = checked_vector("gravity", gravity)
         rows, vectors = checked_forces(forces, self._rows)
         batches = {"load": push.shape[:-1], "gravity": fall.shape[:-1]}
-        for name, batch in (batches | {"forces": vectors.shape[:-2]}).items():
-            if batch and batch != self._batch:
-                raise LoadError(
-                    f"{name} was given for {batch[0]} bodies, but there are "
-                    f"{math.prod(self._batch)} here; give one row for each, or one for all"
-                )
+        check_batches(batches | {"forces": vectors.shape[:-2]}, self._batch)
         return Loads(
             push=push,
             gravity=fall,
@@ -297,19 +294,3 @@ class FloatingBody:
             shapes=self.model.shapes[rows] - self._frame.mean,
             forces=vectors,
         )
-
-
-def _common_batch(*batches: tuple[int, ...]) -> tuple[int, ...]:
-    try:
-        batch = np.broadcast_shapes(*batches)
-    except ValueError as error:
-        sizes = sorted({b[0] for b in batches if b})
-        raise DefoError(
-            f"the initial values are for batches of different sizes {sizes}; give one row for "
-            "each body, or one for all"
-        ) from error
-    return batch
-
-
-def _times(matrix: Array, vector: Array) -> Array:
-    return np.asarray((matrix @ vector[..., None])[..., 0])

@@ -1,11 +1,12 @@
 """What a floating body needs of a reduced model."""
 
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.floating.frame import FloatingFrame
+from fenics_defo.runtime.forces.force_law import ForceLaw
 
 Array = NDArray[np.float64]
 
@@ -14,7 +15,7 @@ class FlyingModel(Protocol):
     """What `FloatingBody` needs of a reduced model."""
 
     @property
-    def law(self) -> Any:
+    def law(self) -> ForceLaw:
         """Elastic force law of q."""
 
     @property

@@ -52,7 +52,7 @@ class FloatingFrame:
 
     They give, for any q, the inertia about the centre of mass, its coupling with the rates of q,
     and the Coriolis and centrifugal forces: the inertia shape integrals of Shabana, Dynamics of
-    Multibody Systems, section 5.
+    Multibody Systems, chapter 5.
 
     Taking the mean out of the shapes changes no motion: what it moves, the centre of mass moves
     back. How the frame turns is up to the shapes. Where they are orthogonal in mass to the rigid
