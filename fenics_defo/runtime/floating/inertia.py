@@ -11,10 +11,9 @@ and its equations of motion, with f the elastic force and Q the loads, are
     M q'' + A(q)^T w' - 2 G(w) q' - c(q, w) + f(q) = Q              G skew: Coriolis
     d/dt (R (I(q) w + A(q) q')) = moment of the loads                A^T w': Euler; c: centrifugal
 
-Shabana, Dynamics of Multibody Systems, section 5; Terzopoulos and Witkin, Physically based models
-with rigid and deformable components (1988), who split deformable bodies in this way; and, for the
-same inertia forces upon a reduced body, the course of Sifakis and Barbic, FEM Simulation of 3D
-Deformable Solids (SIGGRAPH 2012), part 2.
+Shabana, Dynamics of Multibody Systems, chapter 5. Terzopoulos and Witkin, Physically based models
+with rigid and deformable components (IEEE Computer Graphics and Applications 8(6), 1988), split
+deformable bodies in this way for animation.
 """
 
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.floating.frame import PAIRS, FloatingFrame
+from fenics_defo.runtime.floating.rotations import LEVI_CIVITA
 
 Array = NDArray[np.float64]
 
@@ -89,16 +89,9 @@ class Inertia:
         column = q[..., None, :, None]
         first = (np.swapaxes(self._linear, 0, 1) @ column)[..., 0]
         second = self._second + first + (moments @ column)[..., 0]
-        trace = np.trace(second, axis1=-2, axis2=-1)[..., None, None]
-        coupling = np.stack(
-            [
-                moments[..., 1, 2, :] - moments[..., 2, 1, :],
-                moments[..., 2, 0, :] - moments[..., 0, 2, :],
-                moments[..., 0, 1, :] - moments[..., 1, 0, :],
-            ],
-            axis=-2,
-        )
-        return InertiaAtShape(moments, trace * _EYE - second, coupling)
+        trace = second[..., 0, 0] + second[..., 1, 1] + second[..., 2, 2]
+        coupling = LEVI_CIVITA @ moments.reshape(*q.shape[:-1], 9, r)
+        return InertiaAtShape(moments, trace[..., None, None] * _EYE - second, coupling)
 
     def gyroscopic_rows(self, rates: Array) -> Array:
         """G_k q' (..., 3, r) for unit spins about the axes; G(w) q' is their sum by w."""
