@@ -18,6 +18,9 @@ from fenics_defo.runtime import Modes
 
 Array = NDArray[np.float64]
 
+# Largest displacement of the first mode, over the body's length, at which derivatives are weighed.
+_BENT = 0.2
+
 
 def linear_basis(solid: Solid, modes: Modes, size: int | None = None) -> Basis:
     """The first vibration modes that are no rigid motions.
@@ -50,7 +53,7 @@ def modal_derivative_basis(
     share: float | None = None,
     displacement: Array | None = None,
     derivatives: Array | None = None,
-    amplitude: float = 1.0,
+    amplitude: float | None = None,
     phases: Phases | None = None,
 ) -> Basis:
     """Principal components of modes and of their derivatives, weighted by frequency.
@@ -69,8 +72,9 @@ def modal_derivative_basis(
         displacement: (n, 3) [m] of the equilibrium that the modes are about; rest if not given.
         derivatives: what `modal_derivatives` gave for these modes; computed if not given.
         amplitude: a, the coordinate of the first mode at which modes and derivatives have their
-            weights [kg^1/2 m]; 1 gives those of Barbič and James in SI units. Larger ones weigh the
-            derivatives more.
+            weights [kg^1/2 m]. Larger ones weigh the derivatives more. If not given, the one at
+            which that mode moves a point by a fifth of the body's length, so that the basis does
+            not depend on units; 1 gives the weights of Barbič and James.
         phases: stopwatch of `modal_derivatives`, and "components".
 
     Returns:
@@ -82,8 +86,8 @@ def modal_derivative_basis(
         EigenSolveError, SolverError: those of `modal_derivatives`.
     """
     check_cut(size, share)
-    if not 0.0 < amplitude < np.inf:
-        raise DefoError(f"amplitude must be positive [kg^1/2 m], got {amplitude!r}; 1 is usual")
+    if amplitude is not None and not 0.0 < amplitude < np.inf:
+        raise DefoError(f"amplitude must be positive [kg^1/2 m], got {amplitude!r}; leave it out for one of the body's size")
     phases = phases or Phases()
     values, shapes = elastic_modes(solid, modes)
     first, second = np.triu_indices(len(shapes))
@@ -95,6 +99,9 @@ def modal_derivative_basis(
             f"{len(shapes)} modes have {len(first)} derivatives, got {len(derivatives)}; pass what "
             "modal_derivatives returned for the same modes"
         )
+    if amplitude is None:
+        farthest = float(np.linalg.norm(shapes[0], axis=1).max())
+        amplitude = _BENT * float(np.ptp(solid.points, axis=0).max()) / farthest
     weight = values[0] / values
     with phases("components"):
         columns = np.empty(

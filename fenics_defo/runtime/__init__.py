@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from fenics_defo.runtime.archive import ArraySpec, read_archive, write_archive
     from fenics_defo.runtime.atomic import atomic_path, check_writable
     from fenics_defo.runtime.comparison import mac
-    from fenics_defo.runtime.floating import FloatingFrame
+    from fenics_defo.runtime.floating import FloatingBody, FloatingFrame
     from fenics_defo.runtime.forces import CubicForce, ForceLaw, LinearForce, TaylorForce
     from fenics_defo.runtime.integrators import (
         BackwardEuler,
@@ -31,6 +31,7 @@ _HOME = {
     "BackwardEuler": "integrators",
     "CentralDifferences": "integrators",
     "CubicForce": "forces",
+    "FloatingBody": "floating",
     "FloatingFrame": "floating",
     "ForceLaw": "forces",
     "ImplicitNewmark": "integrators",
@@ -58,6 +59,7 @@ __all__ = [
     "BackwardEuler",
     "CentralDifferences",
     "CubicForce",
+    "FloatingBody",
     "FloatingFrame",
     "ForceLaw",
     "ImplicitNewmark",
