@@ -43,7 +43,7 @@ def story(*, quick: bool) -> beside_full.Story:
     )
 
 
-PUSH = 120.0  # [Pa]
+PUSH = 800.0  # [Pa]
 
 
 def main(argv: list[str] | None = None) -> int:
