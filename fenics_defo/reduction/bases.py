@@ -91,15 +91,12 @@ def modal_derivative_basis(
         EigenSolveError, SolverError: those of `modal_derivatives`.
     """
     check_cut(size, share)
-<<<<<<< HEAD
     if amplitude is not None and not 0.0 < amplitude < np.inf:
-        raise DefoError(f"amplitude must be positive [kg^1/2 m], got {amplitude!r}; leave it out for one of the body's size")
-    phases = phases or Phases()
-=======
-    if not 0.0 < amplitude < np.inf:
-        raise DefoError(f"amplitude must be positive [kg^1/2 m], got {amplitude!r}; 1 is usual")
+        raise DefoError(
+            f"amplitude must be positive [kg^1/2 m], got {amplitude!r}; leave it out for one of "
+            "the body's size"
+        )
     phases, displacement = phases or Phases(), checked_state(solid, displacement)
->>>>>>> bases
     values, shapes = elastic_modes(solid, modes)
     if derivatives is None:
         derivatives = modal_derivatives(solid, modes, displacement=displacement, phases=phases)
@@ -110,13 +107,9 @@ def modal_derivative_basis(
             f"{len(shapes)} modes have {pairs} derivatives, got {len(derivatives)}; pass what "
             "modal_derivatives returned for the same modes"
         )
-<<<<<<< HEAD
     if amplitude is None:
         farthest = float(np.linalg.norm(shapes[0], axis=1).max())
         amplitude = _BENT * float(np.ptp(solid.points, axis=0).max()) / farthest
-    weight = values[0] / values
-=======
->>>>>>> bases
     with phases("components"):
         return chosen_basis(
             solid,
