@@ -10,7 +10,7 @@ from scipy import linalg
 
 from fenics_defo.analysis import Gravity, State, linear_modes, static_equilibrium
 from fenics_defo.analysis.spectrum import signs
-from fenics_defo.energy import LinearElastic
+from fenics_defo.energy import LinearElastic, StVenantKirchhoff
 from fenics_defo.errors import DefoError, FileFormatError
 from fenics_defo.fem import Solid, build_mesh
 from fenics_defo.reduction import (
@@ -74,7 +74,11 @@ def test_components_of_modes_and_derivatives(held):
     check_record(solid, basis, "modal-derivatives")
     assert basis.origin["modes"] == 4
     assert basis.origin["derivatives"] == 10
-    fields = weighted(modes, derivatives)
+    # At the weights' bend the first mode moves a point by a fifth of the body's length.
+    farthest = np.linalg.norm(elastic(modes)[0], axis=1).max()
+    bend = basis.origin["amplitude"] * farthest
+    assert bend == pytest.approx(0.2 * np.ptp(solid.points, axis=0).max(), rel=1e-12)
+    fields = weighted(modes, derivatives, basis.origin["amplitude"])
     values = singular(solid, fields)
     assert basis.singular_values == pytest.approx(values, abs=1e-12 * values[0])
     assert basis.kept == pytest.approx((values[:6] ** 2).sum() / (values**2).sum(), rel=1e-12)
@@ -333,3 +337,16 @@ def test_nothing_is_logged(caplog):
         solid, modes = usual()
         modal_derivative_basis(solid, modes, 3)
     assert not caplog.records
+
+
+def test_the_weights_do_not_depend_on_the_size_and_weight_of_a_body():
+    """Bodies of one form have one spectrum, whatever their length, modulus and density are."""
+    spectra = []
+    points, cells = beam_arrays("hexahedron")
+    for scale, density in ((1.0, 1e3), (1e-3, 20.0)):
+        law = StVenantKirchhoff(young=density**2, poisson=0.3, density=density)
+        mesh = build_mesh(scale * points, cells, kind="hexahedron")
+        solid = Solid(mesh, law, fixed=[f"x<{1e-9 * scale}"])
+        values = modal_derivative_basis(solid, linear_modes(solid, 3), 5).singular_values
+        spectra.append(values / values[0])
+    assert spectra[1] == pytest.approx(spectra[0], rel=1e-6, abs=1e-9)
