@@ -14,6 +14,26 @@ Array = NDArray[np.float64]
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """Axes (a, b) of the blocks of `FloatingFrame.quadratic`, in this order."""
 
+FRAME_ARRAYS = {
+    "frame_mass": ArraySpec("f", 0),
+    "frame_centre": ArraySpec("f", 1),
+    "frame_second_moment": ArraySpec("f", 2),
+    "frame_mean": ArraySpec("f", 2),
+    "frame_linear": ArraySpec("f", 3),
+    "frame_quadratic": ArraySpec("f", 3),
+}
+"""What a file must hold of a floating frame, for `read_archive`."""
+
+FRAME_UNITS = {
+    "frame_mass": "kg",
+    "frame_centre": "m",
+    "frame_second_moment": "kg m^2",
+    "frame_mean": "m per unit of q",
+    "frame_linear": "kg m^2 per unit of q",
+    "frame_quadratic": "kg m^2 per unit of q squared",
+}
+"""Units of these arrays."""
+
 # Least eigenvalue of the inertia, relative to the largest, of a body that is not a needle.
 _NEEDLE = 1e-12
 _SYMMETRY = 1e-9
@@ -32,7 +52,7 @@ class FloatingFrame:
 
     They give, for any q, the inertia about the centre of mass, its coupling with the rates of q,
     and the Coriolis and centrifugal forces: the inertia shape integrals of Shabana, Dynamics of
-    Multibody Systems, section 5.
+    Multibody Systems, chapter 5.
 
     Taking the mean out of the shapes changes no motion: what it moves, the centre of mass moves
     back. How the frame turns is up to the shapes. Where they are orthogonal in mass to the rigid
@@ -54,22 +74,8 @@ class FloatingFrame:
         ValueError: arrays whose shapes or values do not fit together.
     """
 
-    ARRAYS: ClassVar[Mapping[str, ArraySpec]] = {
-        "frame_mass": ArraySpec("f", 0),
-        "frame_centre": ArraySpec("f", 1),
-        "frame_second_moment": ArraySpec("f", 2),
-        "frame_mean": ArraySpec("f", 2),
-        "frame_linear": ArraySpec("f", 3),
-        "frame_quadratic": ArraySpec("f", 3),
-    }
-    UNITS: ClassVar[Mapping[str, str]] = {
-        "frame_mass": "kg",
-        "frame_centre": "m",
-        "frame_second_moment": "kg m^2",
-        "frame_mean": "m per unit of q",
-        "frame_linear": "kg m^2 per unit of q",
-        "frame_quadratic": "kg m^2 per unit of q squared",
-    }
+    ARRAYS: ClassVar[dict[str, ArraySpec]] = FRAME_ARRAYS
+    UNITS: ClassVar[dict[str, str]] = FRAME_UNITS
 
     mass: float
     centre: Array
@@ -139,7 +145,7 @@ class FloatingFrame:
         return float(np.sqrt(np.abs(ratio).max(initial=0.0)))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays that a model file holds of the frame, by the names of `ARRAYS`."""
+        """Return what a model file holds of the frame, by the names of `ARRAYS`."""
         return {n: np.asarray(getattr(self, n.removeprefix("frame_"))) for n in self.ARRAYS}
 
     @classmethod

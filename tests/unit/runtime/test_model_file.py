@@ -1,8 +1,6 @@
 import io
 import json
 import re
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -107,22 +105,6 @@ def test_plain_numpy_reads_what_the_file_says_of_itself(tmp_path: Path) -> None:
     assert json.loads(str(members["provenance"]))["mesh"] == "1f2e"
     assert json.loads(str(members["certificate"]))["note"] == "größer"
     assert members["probe_names"].tolist() == ["tip", "Mitte – 中"]
-
-
-def test_loading_needs_numpy_only_and_no_time(tmp_path: Path) -> None:
-    path = saved(tmp_path / "model.npz", frame=make_frame())
-    code = (
-        "import sys\n"
-        "from fenics_defo import runtime\n"
-        f"model = runtime.load({str(path)!r})\n"
-        "model.force([0.1, 0.2, 0.3])\n"
-        "foreign = {'scipy', 'dolfinx', 'ufl', 'mpi4py', 'petsc4py', 'pyvista', 'rich'}\n"
-        "print(*sorted(foreign & set(sys.modules)))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
-    )
-    assert done.stdout.split() == []
 
 
 def refusal(path: Path) -> str:

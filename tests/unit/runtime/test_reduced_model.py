@@ -173,6 +173,13 @@ def test_outputs_that_do_not_fit_are_refused(changes: dict[str, Any], message: s
         Outputs(**({"cell_type": "tetra"} | fields | changes))
 
 
+def test_it_says_in_a_line_what_it_is() -> None:
+    assert repr(make_model(frame=make_frame(), probes={})) == (
+        "ReducedModel(cubic force of 3 coordinates, 5 nodes, probes [], loads ['push', 'wind 2'], "
+        "flies)"
+    )
+
+
 def test_the_record_cannot_be_changed_from_outside() -> None:
     loads, provenance = {"push": np.zeros(SIZE)}, {"files": ["a.msh"]}
     model = make_model(loads=loads, provenance=provenance)

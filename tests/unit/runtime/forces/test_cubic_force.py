@@ -1,4 +1,5 @@
 import itertools
+import tracemalloc
 from collections.abc import Callable
 
 import numpy as np
@@ -106,6 +107,25 @@ def test_an_evaluator_gives_what_the_law_gives(
         np.testing.assert_allclose(k, law.stiffness(q), rtol=1e-13)
         np.testing.assert_array_equal(k, np.swapaxes(k, -1, -2))
         np.testing.assert_array_equal(q, kept)
+
+
+@pytest.mark.parametrize("law", [Polynomial(8).law(), LinearForce(Polynomial(8).k1)])
+@pytest.mark.parametrize("shape", [(8,), (64, 8)])
+def test_an_evaluator_allocates_next_to_nothing(
+    law: CubicForce | LinearForce, shape: tuple[int, ...]
+) -> None:
+    """For one body, no more than the objects of Python; for 64 they would take 4 KiB for q."""
+    evaluator = law.evaluator(shape)
+    q = np.ones(shape)
+    evaluator.force_and_stiffness(q)
+    tracemalloc.start()
+    try:
+        for _ in range(5):
+            evaluator.force_and_stiffness(q)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 2048
 
 
 def test_a_batch_is_its_bodies_one_by_one() -> None:
