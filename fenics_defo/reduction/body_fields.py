@@ -15,7 +15,8 @@ _ROUND_OFF = 1e-9
 
 def own_columns(solid: Solid, shapes: Array) -> Array:
     """Fields (s, n, 3) over the components that this rank owns: (owned dofs, s), Fortran order."""
-    return shapes[:, solid.nodes.rows[: solid.nodes.owned]].reshape(len(shapes), -1).T
+    owned = solid.nodes.rows[: solid.nodes.owned]
+    return shapes[:, owned].reshape(len(shapes), 3 * len(owned)).T
 
 
 def gathered(solid: Solid, columns: Array) -> Array:
@@ -63,6 +64,23 @@ def checked_fields(solid: Solid, fields: ArrayLike, what: str) -> Array:
         filled = (solid.nodes.corner_weights @ flat).reshape(size, 3, -1)
         array = np.where(solid.nodes.carried[:, None], array, np.moveaxis(filled, 2, 0))
     return array
+
+
+def checked_state(solid: Solid, displacement: ArrayLike | None) -> Array | None:
+    """A displacement (n, 3) [m] that the body can have; None, for rest, stays None.
+
+    Raises:
+        DefoError: it cannot.
+    """
+    if displacement is None:
+        return None
+    array, shape = np.asarray(displacement, np.float64), solid.points.shape
+    if array.shape != shape:
+        raise DefoError(
+            f"displacement must have the shape {shape}, one row for each of this body's nodes; "
+            f"got {array.shape}"
+        )
+    return checked_fields(solid, array[None], "displacement")[0]
 
 
 def elastic_modes(solid: Solid, modes: Modes) -> tuple[Array, Array]:
