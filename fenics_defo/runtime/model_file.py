@@ -97,7 +97,9 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
     }
     arrays |= {f"force_{name}": array for name, array in law.arrays().items()}
     arrays |= {} if frame is None else frame.arrays()
-    units = {name: unit for name, unit in (_UNITS | FloatingFrame.UNITS).items() if name in arrays}
+    units = {
+        name: unit for name, unit in {**_UNITS, **FloatingFrame.UNITS}.items() if name in arrays
+    }
     write_archive(path, arrays, kind=KIND, version=VERSION, units=units)
 
 
