@@ -19,6 +19,7 @@ from fenics_defo.runtime.integrators import (
     ImplicitNewmark,
     SymplecticEuler,
     dense_solver,
+    newton_step,
 )
 from fenics_defo.runtime.integrators.limits import leapfrog_limit
 
@@ -355,6 +356,24 @@ def test_the_bare_solver_is_the_public_one() -> None:
         dense_solver.solve(matrix, right_side, found)
         dense_solver._public(matrix, right_side, public)
         np.testing.assert_array_equal(found, public)
+
+
+@pytest.mark.parametrize("bodies", [None, 2])
+def test_the_public_solver_serves_as_well(
+    bodies: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options: dict[str, Any] = {"step": 0.125, "batch": bodies}
+    bare = ImplicitNewmark(stiffening(), v=np.ones(4), **options)
+    monkeypatch.setattr(newton_step, "solve", dense_solver._public)
+    public = ImplicitNewmark(stiffening(), v=np.ones(4), **options)
+    for motion in (bare, public):
+        motion.advance()
+    np.testing.assert_array_equal(bare.q, public.q)
+    # K + 4/h² = 0 raises in it.
+    motion = ImplicitNewmark(Model(Springs(np.array([[-256.0]]), np.eye(1)), np.eye(1)), **options)
+    with pytest.raises(DivergenceError):
+        motion.advance()
+    np.testing.assert_array_equal(motion.q, 0.0)
 
 
 GOOD: dict[str, Any] = {"step": 0.01}
