@@ -103,14 +103,16 @@ class ImplicitStep:
         try:
             try:
                 return self._newton(residuals, search=False)
-            except StepFailure:
+            except StepFailure as failure:
                 # Bending wants full steps, compression a search: the second is tried second.
-                if newton.iterations is not None:
+                if newton.iterations is not None or failure.lasting:
                     raise
                 residuals.clear()
                 return self._newton(residuals, search=True)
         except StepFailure as failure:
-            raise StepFailure(failure.reason, tuple(residuals)) from failure
+            raise StepFailure(
+                failure.reason, tuple(residuals), lasting=failure.lasting
+            ) from failure
         finally:
             self._system.residuals = tuple(residuals)
 
@@ -217,7 +219,9 @@ class ImplicitStep:
                 else:
                     direction, iterations = system.tangents.solve(right_side)
         except SolverError as error:
-            raise StepFailure(str(error)) from error
+            # In statics the tangent at the start is that of any part of the load.
+            lasting = u is self._start.displacement and not rule.acceleration_rate > 0.0
+            raise StepFailure(str(error), lasting=lasting) from error
         system.linear_iterations += iterations
         return direction if change is None else direction + change
 
@@ -236,7 +240,7 @@ class ImplicitStep:
             if self._to_come and length == 1.0:  # without the round-off of the sum
                 system.with_prescribed(self._time, trial)
             force = system.internal_force(trial) if search else system.linearise(trial)
-            if not system.is_finite(force):
+            if not (system.is_finite(force) and system.has_energy(trial)):
                 length *= 0.5
                 continue
             ahead = system.product(direction, self._balance(trial).residual) if search else 0.0
@@ -245,7 +249,9 @@ class ImplicitStep:
                 return trial
             # Regula falsi between here and there, kept off both ends.
             length *= min(max(slope / (slope - ahead), 0.1), 0.6)
-        raise StepFailure("no step along Newton's direction leads to finite, smaller forces")
+        raise StepFailure(
+            "no step along Newton's direction leads to finite energy and smaller forces"
+        )
 
     def _end(self, u: Array, balance: _Balance) -> Instant:
         system = self._system

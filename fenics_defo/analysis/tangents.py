@@ -140,6 +140,11 @@ class Tangents:
         return found, total
 
     @property
+    def can_tell(self) -> bool:
+        """Whether the solver counts negative eigenvalues."""
+        return hasattr(self._solver, "negative_eigenvalues")
+
+    @property
     def definite(self) -> bool | None:
         """Whether the last matrix was positive definite; None if the solver cannot tell."""
         negative = getattr(self._solver, "negative_eigenvalues", None)
