@@ -52,7 +52,8 @@ def simulate(
         damping: (alpha [1/s], beta [s]).
         newton: iterations a step; None: until ``newton_tolerance``.
         newton_tolerance: relative residual [-].
-        newton_iterations: most iterations.
+        newton_iterations: most iterations of converged Newton with full steps; the search that
+            is tried after them may take three times as many.
         linear: linear solver.
         linear_tolerance: relative residual [-].
         initial: displacement and velocity at time zero.

@@ -50,7 +50,8 @@ class Simulation:
         newton: number of Newton iterations a step; 1 is semi-implicit: one linearised solve a step,
             whose residual is reported, not judged. None iterates until ``newton_tolerance`` is met.
         newton_tolerance: of converged Newton: largest ‖r‖ / max(‖M a‖, ‖C v‖, ‖f‖, ‖g‖) [-].
-        newton_iterations: most iterations of converged Newton.
+        newton_iterations: most iterations of converged Newton with full steps; the search that
+            is tried after them may take three times as many.
         linear: solver of the linear systems: "cholesky", "pcg-jacobi" or "pcg-amg".
         linear_tolerance: relative residual of conjugate gradients [-].
         initial: displacement and velocity at time zero.

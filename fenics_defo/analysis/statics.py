@@ -54,7 +54,7 @@ def static_equilibrium(
         prescribed: prescribed displacements.
         load_steps: number of parts.
         tolerance: residual relative to the loads and reactions [-].
-        max_iterations: of Newton a part.
+        max_iterations: of Newton a part, with full steps; a search then, three times as many.
         linear: linear solver.
         linear_tolerance: relative residual of conjugate gradients [-].
         initial: displacement (n, 3) [m] to start from; rest if not given.

@@ -12,11 +12,11 @@ from fenics_defo.analysis.constraints import Constraints
 from fenics_defo.analysis.implicit_step import ImplicitStep, NewtonSettings
 from fenics_defo.analysis.inertia_operators import ConsistentMassOperator, LumpedMass, Mass
 from fenics_defo.analysis.instant import Forces, Instant, Rule, StepFailure
-from fenics_defo.analysis.known_laws import has_finite_energy
+from fenics_defo.analysis.known_laws import has_exact_tangents, has_finite_energy
 from fenics_defo.analysis.loads import Load
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.prescribed import Prescribed
-from fenics_defo.analysis.tangents import Tangents
+from fenics_defo.analysis.tangents import Ahead, Tangents
 from fenics_defo.errors import SolverError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.compat import MPI, dolfinx
@@ -97,6 +97,7 @@ class System:
         self._internal: tuple[Array, Array] | None = None
         self._strain: tuple[Array, float] | None = None
         self._unsure = not has_finite_energy(solid.materials)
+        self._is_exact = has_exact_tangents(solid.materials)
         self._viscous: tuple[Array, Array, Array] | None = None
         self._forces: tuple[Instant, Forces] | None = None
 
@@ -194,6 +195,20 @@ class System:
             force = beta * self._force_along(displacement, velocity)
             known = self._viscous = (displacement, velocity, force)
         return known[2]
+
+    @property
+    def damping_changes(self) -> bool:
+        """Whether β K(u) changes with u, and K is the derivative of the forces."""
+        return bool(self.settings.damping[1] and self._is_exact and not self.solid.is_linear)
+
+    def ahead(self, displacement: Array, velocity: Array) -> Ahead | None:
+        """How β K changes along a velocity; None if nothing moves."""
+        beta = self.settings.damping[1]
+        fastest = self.comm.allreduce(float(np.abs(velocity).max(initial=0.0)), op=MPI.MAX)
+        if not fastest > 0.0:
+            return None
+        step = _DIFFERENCE * self.size / fastest
+        return Ahead(self.local(displacement + step * velocity), beta / step)
 
     def _force_along(self, displacement: Array, velocity: Array) -> Array:
         """K(u) v as (f(u + s v) - f(u)) / s."""
