@@ -156,6 +156,7 @@ class _Run:
                 self._save()
                 self._summarise("running")
             self._watcher.moved(step, total, simulation.time)
+        simulation.check_energy()
         return "finished"
 
     def _end(self, status: str) -> dict[str, Any]:
@@ -225,7 +226,8 @@ class _Run:
     def _summarise(self, status: str, error: str | None = None) -> dict[str, Any]:
         simulation = self._simulation
         probes, energies = [simulation.probe(name) for name in self._names], simulation.energies
-        critical_step = simulation.critical_step  # collective, as those before
+        critical_step = simulation.critical_step  # collective, as those before and after
+        energy_error, energy_gain = simulation.energy_error, simulation.energy_gain
 
         def write() -> dict[str, Any]:
             standing = Standing(
@@ -236,6 +238,8 @@ class _Run:
                 begun_at=self._begun_at,
                 probes=probes,
                 energies=energies,
+                energy_error=energy_error,
+                energy_gain=energy_gain,
                 critical_step=critical_step,
                 tally=self._tally,
                 frames=len(self._open_files.frame_times),
