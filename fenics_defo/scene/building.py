@@ -10,7 +10,6 @@ from fenics_defo.analysis import (
     BackwardEuler,
     CentralDifferences,
     Gravity,
-    History,
     ImplicitNewmark,
     Impulse,
     Initial,
@@ -19,21 +18,17 @@ from fenics_defo.analysis import (
     PointLoad,
     Prescribed,
     Pressure,
-    Pulse,
     QuasiStatic,
-    Ramp,
     Simulation,
-    Sine,
-    Step,
     SymplecticEuler,
-    Table,
     Traction,
     linear_modes,
     mode_displacement,
 )
 from fenics_defo.errors import LoadError, MaterialError, SceneError, SelectionError, StepSizeError
 from fenics_defo.fem import Fixed, Solid, read_mesh
-from fenics_defo.scene.records import FixedTable, HistoryTable, LoadTable, Scene, TimeTable
+from fenics_defo.scene.load_factors import load_factor
+from fenics_defo.scene.records import FixedTable, LoadTable, Scene, TimeTable
 from fenics_defo.scene.table import AXES
 
 Array = NDArray[np.float64]
@@ -91,7 +86,7 @@ def build_prescribed(scene: Scene) -> tuple[Prescribed, ...]:
         entries: list[float | None] = [None, None, None]
         for component, value in zip(item.components, item.displacement, strict=True):
             entries[AXES.index(component)] = value
-        moved.append(Prescribed(item.region, entries, _history(item.history, scene.time)))
+        moved.append(Prescribed(item.region, entries, load_factor(item.history, scene.time)))
     return tuple(moved)
 
 
@@ -164,7 +159,7 @@ def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simul
 
 
 def _load(scene: Scene, number: int, load: LoadTable, solid: Solid) -> Load:
-    history = _history(load.history, scene.time)
+    history = load_factor(load.history, scene.time)
     node = None if load.node is None else _row(scene, number, load.node, solid)
     match load.kind:
         case "gravity":
@@ -192,22 +187,6 @@ def _row(scene: Scene, load: int, number: int, solid: Solid) -> int:
             f"{numbers.min()} to {numbers.max()}"
         )
     return int(found[0])
-
-
-def _history(history: HistoryTable | None, time: TimeTable) -> History:
-    """The factor in time; what is not given is 1, in statics t / duration."""
-    if history is None:
-        return Ramp(time.duration) if time.is_static else Step(start=-time.duration)
-    match history.kind:
-        case "ramp":
-            return Ramp(history.duration, history.start)
-        case "sine":
-            return Sine(history.frequency, history.phase)
-        case "pulse":
-            return Pulse(history.start, history.duration)
-        case "table":
-            return Table(history.times, history.values)
-    return Step(history.start)
 
 
 def _moves(item: FixedTable) -> bool:
