@@ -1,0 +1,87 @@
+"""Rotations as matrices: exponential map, its derivative, quaternions; any leading axes."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# eps_kij as a matrix (9, 3): its product with a vector is minus the matrix of the cross product.
+_LEVI_CIVITA = np.zeros((3, 3, 3))
+for _k, _i, _j in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+    _LEVI_CIVITA[_k, _i, _j], _LEVI_CIVITA[_k, _j, _i] = 1.0, -1.0
+_TO_SKEW = -_LEVI_CIVITA.reshape(3, 9)
+_EYE = np.eye(3)
+
+# Below this square of an angle the series are exact to round-off.
+_SMALL = 1e-4
+
+
+def skew(vector: Array) -> Array:
+    """Matrices (..., 3, 3) with skew(a) b = a x b, of vectors (..., 3)."""
+    return np.asarray(vector @ _TO_SKEW).reshape(*vector.shape, 3)
+
+
+def cross(left: Array, right: Array) -> Array:
+    """Cross products (..., 3); for few vectors several times faster than NumPy's."""
+    return np.asarray((skew(left) @ right[..., None])[..., 0])
+
+
+def exponential(angle: Array) -> tuple[Array, Array]:
+    """Rotations by rotation vectors, and the right Jacobians of the map.
+
+        exp = 1 + a S + b S²,  J = 1 - b S + c S²,  S = skew(angle), t = |angle|,
+        a = sin t / t,  b = (1 - cos t) / t²,  c = (1 - a) / t²
+
+    so that exp(angle + d) = exp(angle) exp(J d) to first order in d (Rodrigues' formula; Bullo and
+    Murray, Proportional derivative control on the Euclidean group, 1995).
+
+    Args:
+        angle: (..., 3) [rad].
+
+    Returns:
+        both (..., 3, 3).
+    """
+    square = (angle * angle).sum(axis=-1)[..., None, None]
+    t = np.sqrt(square)
+    small = square < _SMALL
+    safe = np.where(small, 1.0, square)
+    root = np.sqrt(safe)
+    a = np.where(small, 1.0 - square / 6.0 * (1.0 - square / 20.0), np.sin(t) / root)
+    half = np.sin(0.5 * t) / root  # without the cancellation of 1 - cos
+    b = np.where(small, 0.5 - square / 24.0 * (1.0 - square / 30.0), 2.0 * half * half)
+    c = np.where(small, 1.0 / 6.0 - square / 120.0 * (1.0 - square / 42.0), (1.0 - a) / safe)
+    s = skew(angle)
+    twice = s @ s
+    return _EYE + a * s + b * twice, _EYE - b * s + c * twice
+
+
+def orthonormalised(rotation: Array) -> Array:
+    """The rotations (..., 3, 3) with round-off taken out: one step of R (3 - R^T R) / 2."""
+    return np.asarray(1.5 * rotation - 0.5 * rotation @ (np.swapaxes(rotation, -1, -2) @ rotation))
+
+
+def from_quaternion(quaternion: Array) -> Array:
+    """Rotations (..., 3, 3) of unit quaternions (..., 4), the scalar first."""
+    w, v = quaternion[..., :1, None], quaternion[..., 1:]
+    s = skew(v)
+    return np.asarray(_EYE + 2.0 * (w * s + s @ s))
+
+
+def to_quaternion(rotation: Array) -> Array:
+    """Unit quaternions (..., 4), the scalar first and not negative, of rotations (..., 3, 3).
+
+    The column of greatest norm of 4 p p^T, which is linear in the matrix (Shepperd, 1978; Bar-
+    Itzhack, 2000): accurate for all rotations.
+    """
+    r = rotation
+    table = np.empty((*r.shape[:-2], 4, 4))
+    trace = np.trace(r, axis1=-2, axis2=-1)
+    table[..., 0, 0] = 1.0 + trace
+    for k, i, j in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        table[..., 0, k + 1] = table[..., k + 1, 0] = r[..., j, i] - r[..., i, j]
+        table[..., k + 1, k + 1] = 1.0 - trace + 2.0 * r[..., k, k]
+        table[..., i + 1, j + 1] = table[..., j + 1, i + 1] = r[..., i, j] + r[..., j, i]
+    best = np.argmax(np.diagonal(table, axis1=-2, axis2=-1), axis=-1)
+    column = np.take_along_axis(table, best[..., None, None], axis=-1)[..., 0]
+    column = np.where(column[..., :1] < 0.0, -column, column)
+    return np.asarray(column / np.linalg.norm(column, axis=-1, keepdims=True))
