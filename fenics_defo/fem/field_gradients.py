@@ -54,7 +54,7 @@ def region_gradients(
     Args:
         space: displacement space.
         region: the law's cells.
-        fields: (r, 3, d) displacements at this rank's nodes, ghosts included.
+        fields: (r, d, 3) displacements at this rank's nodes, ghosts included.
         degree: polynomial degree that the quadrature integrates exactly.
         points: about how many of them make a block.
     """
@@ -64,22 +64,21 @@ def region_gradients(
     reference = reference_gradients(kind, space.element.basix_element.degree, at)
     cells = region.cells[region.cells < mesh.topology.index_map(3).size_local]
     size = max(points // len(at), _FEWEST)
-    flat = fields.reshape(-1, fields.shape[2])
-    buffer = np.empty(3 * len(flat) * len(at) * size)
+    buffer = np.empty(9 * len(fields) * len(at) * size)
     for begin in range(0, len(cells), _MAPPED):
         some = cells[begin : begin + _MAPPED]
         inverse, scaled = mapped_points(mesh, some, at, weights)
         for first in range(0, len(some), size):
             chosen = slice(first, min(first + size, len(some)))
             functions = np.einsum("qnl,kqlb->qbnk", reference, inverse[chosen], optimize=True)
-            values = flat[:, space.dofmap.list[some[chosen]].T]
-            out = buffer[: 3 * len(flat) * scaled[chosen].size]
-            shape = (len(flat), 3, len(at), chosen.stop - first)
-            np.einsum(
-                "xnk,qbnk->xbqk", values, np.ascontiguousarray(functions), out=out.reshape(shape)
-            )
+            functions = np.ascontiguousarray(functions)
+            at_nodes = fields[:, space.dofmap.list[some[chosen]].T]
+            values = np.ascontiguousarray(np.moveaxis(at_nodes, 3, 1))  # (r, 3, n, k)
+            shape = (len(fields), 3, 3, len(at), chosen.stop - first)
+            out = buffer[: np.prod(shape)].reshape(shape)
+            np.einsum("iank,qbnk->iabqk", values, functions, out=out)
             yield GradientBlock(
                 cells=some[chosen],
                 weights=np.ascontiguousarray(scaled[chosen].T).ravel(),
-                gradients=out.reshape(len(fields), 3, 3, -1),
+                gradients=out.reshape(*shape[:3], -1),
             )

@@ -53,7 +53,7 @@ def strain_derivatives(solid: Solid, fields: Array) -> EnergyDerivatives:
 
     Args:
         solid: body.
-        fields: (r, 3, d) U_i at this rank's nodes, ghosts included.
+        fields: (r, d, 3) U_i at this rank's nodes, ghosts included.
 
     Raises:
         MaterialError: a law whose energy is no polynomial of fourth degree.
