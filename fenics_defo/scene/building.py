@@ -52,14 +52,14 @@ def build_solid(scene: Scene) -> Solid:
     """
     mesh = read_mesh(scene.mesh.file, size=scene.mesh.size, merge=scene.mesh.merge)
     materials = scene.materials or mesh.record.materials
-    with _told(scene, "[[material]]"):
+    with told(scene, "[[material]]"):
         if not materials:
             raise MaterialError(
                 "there is none, and the mesh file has none either; add one with young, poisson "
                 "and density"
             )
     fixed = [Fixed(item.region, item.components) for item in scene.fixed if not _moves(item)]
-    with _told(scene, "[[material]] and [[fixed]]"):
+    with told(scene, "[[material]] and [[fixed]]"):
         return Solid(
             mesh,
             {region: material for region, material in materials.items()},
@@ -74,7 +74,7 @@ def build_loads(scene: Scene, solid: Solid) -> tuple[Load, ...]:
     Raises:
         SceneError: a node that the mesh does not have.
     """
-    return tuple(_load(scene, i, load, solid) for i, load in enumerate(scene.loads, 1))
+    return tuple(build_load(scene, i, load, solid) for i, load in enumerate(scene.loads, 1))
 
 
 def build_prescribed(scene: Scene) -> tuple[Prescribed, ...]:
@@ -111,15 +111,39 @@ def build_initial(scene: Scene, solid: Solid) -> Initial:
         EigenSolveError: the mode that the scene starts from was not found.
     """
     given = scene.initial
-    points = solid.points
-    arms = points - _centre(solid)
+    arms = mass_arms(solid)
     displacement = np.asarray(given.displacement) + arms * (np.asarray(given.stretch) - 1.0)
     velocity = np.asarray(given.velocity) + np.cross(np.asarray(given.spin), arms)
     if given.mode is not None:
-        with _told(scene, "[initial]"):
-            modes = linear_modes(solid, given.mode, keep_rigid=False, verify=False)
-            displacement = displacement + mode_displacement(modes, given.mode, given.amplitude)
-    return Initial(displacement=_unheld(displacement, solid), velocity=_unheld(velocity, solid))
+        displacement = displacement + given.amplitude * mode_field(scene, solid, given.mode)
+    return Initial(displacement=unheld(displacement, solid), velocity=unheld(velocity, solid))
+
+
+def mode_field(scene: Scene, solid: Solid, number: int) -> Array:
+    """Displacement (n, 3) [m] in an elastic mode, at most 1 m; collective.
+
+    Args:
+        scene: scene, for messages.
+        solid: its body.
+        number: of the mode, from 1.
+
+    Raises:
+        EigenSolveError: the mode was not found.
+    """
+    with told(scene, "[initial]"):
+        modes = linear_modes(solid, number, keep_rigid=False, verify=False)
+        return mode_displacement(modes, number, 1.0)
+
+
+def mass_arms(solid: Solid) -> Array:
+    """Places of the nodes from the centre of mass at rest (n, 3) [m]; collective."""
+    masses = solid.lumped_mass()
+    return solid.points - np.asarray(masses @ solid.points / masses.sum())
+
+
+def unheld(field: Array, solid: Solid) -> Array:
+    """A field over the nodes (n, 3), zero where the body is held."""
+    return np.where(solid.held, 0.0, np.broadcast_to(field, solid.points.shape))
 
 
 def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simulation:
@@ -139,7 +163,7 @@ def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simul
     tolerance, iterations = _STATIC_NEWTON if time.is_static else _NEWTON
     loads = build_loads(scene, solid)
     initial = build_initial(scene, solid) if start else None
-    with _told(scene, "[[load]], [[fixed]] and [[probe]]"):
+    with told(scene, "[[load]], [[fixed]] and [[probe]]"):
         return Simulation(
             solid,
             loads,
@@ -158,7 +182,18 @@ def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simul
         )
 
 
-def _load(scene: Scene, number: int, load: LoadTable, solid: Solid) -> Load:
+def build_load(scene: Scene, number: int, load: LoadTable, solid: Solid) -> Load:
+    """One load.
+
+    Args:
+        scene: scene.
+        number: of the load, from 1, for messages.
+        load: its table.
+        solid: body.
+
+    Raises:
+        SceneError: a node that the mesh does not have.
+    """
     history = load_factor(load.history, scene.time)
     node = None if load.node is None else _row(scene, number, load.node, solid)
     match load.kind:
@@ -193,19 +228,8 @@ def _moves(item: FixedTable) -> bool:
     return item.displacement is not None
 
 
-def _centre(solid: Solid) -> Array:
-    """Centre of mass at rest (3,) [m]."""
-    masses = solid.lumped_mass()
-    return np.asarray(masses @ solid.points / masses.sum())
-
-
-def _unheld(field: Array, solid: Solid) -> Array:
-    """A field over the nodes (n, 3), zero where the body is held."""
-    return np.where(solid.held, 0.0, np.broadcast_to(field, solid.points.shape))
-
-
 @contextmanager
-def _told(scene: Scene, where: str) -> Iterator[None]:
+def told(scene: Scene, where: str) -> Iterator[None]:
     """Name the scene file and the table in errors about what the tables ask for."""
     try:
         yield

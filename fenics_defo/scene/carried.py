@@ -79,7 +79,11 @@ def check_same_body(scene: Scene, model: str, carried: Mapping[str, str]) -> boo
         SceneError: it is another body.
     """
     now = body_identity(scene)
-    for name, brackets in (("material", "[[material]]"), ("fixed", "[[fixed]]"), ("mesh", "[mesh]")):
+    for name, brackets in (
+        ("material", "[[material]]"),
+        ("fixed", "[[fixed]]"),
+        ("mesh", "[mesh]"),
+    ):
         if now[name] != carried.get(name):
             raise SceneError(
                 f"{scene.path}: {brackets} differs from that of the scene that {model} was reduced "
