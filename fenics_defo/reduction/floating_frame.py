@@ -13,8 +13,8 @@ Array = NDArray[np.float64]
 _LEAST_SHARE = 1e-8
 
 
-def floating_frame(solid: Solid, shapes: Array) -> FloatingFrame:
-    """Integrals of mass of a body and its shapes, with the consistent mass.
+def inertia_integrals(solid: Solid, shapes: Array) -> FloatingFrame:
+    """Integrals of mass of a free-flying body and its shapes, with the consistent mass.
 
     All of them are entries of one Gram matrix F^T m F, where the columns of F are the nodes'
     places, and the components of the shapes. Collective; the same numbers on each rank.
@@ -84,7 +84,9 @@ def _check_no_rigid_motion(frame: FloatingFrame) -> None:
     size = np.sqrt(np.diagonal(frame.shape_mass) + frame.mass * (frame.mean**2).sum(axis=0))
     if not (size > 0.0).all():
         raise DefoError(f"shape {int(np.argmin(size))} of a free body is zero; leave it out")
-    moment = np.stack([frame.linear[b, c] - frame.linear[c, b] for b, c in ((1, 2), (2, 0), (0, 1))])
+    moment = np.stack(
+        [frame.linear[b, c] - frame.linear[c, b] for b, c in ((1, 2), (2, 0), (0, 1))]
+    )
     left = frame.shape_mass - moment.T @ np.linalg.solve(frame.inertia, moment)
     least = float(np.linalg.eigvalsh(left / np.outer(size, size))[0])
     if not least > _LEAST_SHARE:

@@ -130,7 +130,9 @@ class FloatingFrame:
         try:
             return cls(**{name.removeprefix("frame_"): arrays[name] for name in _FIELDS})
         except KeyError as error:
-            raise FileFormatError(f"the floating frame lacks the array {error.args[0]!r}") from error
+            raise FileFormatError(
+                f"the floating frame lacks the array {error.args[0]!r}"
+            ) from error
         except (TypeError, ValueError, np.linalg.LinAlgError) as error:
             raise FileFormatError(f"the floating frame is inconsistent: {error}") from error
 
