@@ -28,15 +28,11 @@ from fenics_defo.analysis import (
 from fenics_defo.errors import LoadError, MaterialError, SceneError, SelectionError, StepSizeError
 from fenics_defo.fem import Fixed, Solid, read_mesh
 from fenics_defo.scene.load_factors import load_factor
+from fenics_defo.scene.newton import newton_limits
 from fenics_defo.scene.records import FixedTable, LoadTable, Scene, TimeTable
 from fenics_defo.scene.table import AXES
 
 Array = NDArray[np.float64]
-
-# Relative residual and most iterations of Newton's method unless the scene gives a tolerance:
-# an equilibrium may be far from the one before, and is the result itself.
-_STATIC_NEWTON = 1e-8, 50
-_NEWTON = 1e-6, 20
 
 
 def build_solid(scene: Scene) -> Solid:
@@ -160,7 +156,7 @@ def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simul
         SelectionError: a region that the mesh does not have.
     """
     time, damping = scene.time, (scene.damping.mass, scene.damping.stiffness)
-    tolerance, iterations = _STATIC_NEWTON if time.is_static else _NEWTON
+    tolerance, iterations = newton_limits(time)
     loads = build_loads(scene, solid)
     initial = build_initial(scene, solid) if start else None
     with told(scene, "[[load]], [[fixed]] and [[probe]]"):
@@ -171,7 +167,7 @@ def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simul
             step=time.step,
             damping=(0.0, 0.0) if time.is_static else damping,
             newton=time.newton,
-            newton_tolerance=time.tolerance or tolerance,
+            newton_tolerance=tolerance,
             newton_iterations=iterations,
             linear=scene.solver.linear,  # type: ignore[arg-type]  # checked when it was read
             linear_tolerance=scene.solver.tolerance,

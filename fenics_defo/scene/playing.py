@@ -3,20 +3,19 @@
 import json
 import logging
 import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fenics_defo.errors import DefoError, SceneError
+from fenics_defo.errors import DefoError, FileFormatError, SceneError
 from fenics_defo.runtime import ReducedModel, load
 from fenics_defo.scene.body import Body
 from fenics_defo.scene.carried import check_same_body
 from fenics_defo.scene.folder import CHECKPOINT, SUMMARY, make_folder
 from fenics_defo.scene.parsing import parse_scene
 from fenics_defo.scene.records import Scene
-from fenics_defo.scene.reduced_motion import build_motion
+from fenics_defo.scene.reduced_motion import ReducedMotion
 from fenics_defo.scene.run import Run
-from fenics_defo.scene.together import Alone, with_our_errors
+from fenics_defo.scene.together import Alone
 from fenics_defo.scene.watching import Watcher
 
 _log = logging.getLogger(__name__)
@@ -60,15 +59,87 @@ def play(
         reduced = load(file)
     with watcher.phases("start"):
         _check_scene(reduced, file, scene)
-        motion = build_motion(reduced, file, scene)
-        with_our_errors(lambda: make_folder(folder))
+        motion = ReducedMotion(reduced, file, scene)
+        body = _body(reduced, file)
+        make_folder(folder)
         if not overwrite:
             _refuse_to_replace(folder)
     return Run(
         scene,
-        _body(reduced, file, scene),
+        body,
         motion,
         folder=folder,
         watcher=watcher,
         together=Alone(),
     ).go(None)
+
+
+def _check_scene(model: ReducedModel, file: Path, scene: Scene) -> None:
+    """Refuse a scene that the model cannot play, and say what it leaves out."""
+    carried = model.provenance.get("scene")
+    if not isinstance(carried, dict):
+        raise SceneError(
+            f"{file}: was not reduced from a scene, so nothing tells whether {scene.path} is of "
+            "its body; step it in Python, or make it by fenics-defo reduce"
+        )
+    if not check_same_body(scene, str(file), carried):
+        _log.warning("%s is not there: nothing tells whether it is the model's", scene.mesh.file)
+    for probe in scene.probes:
+        known = model.probes.get(probe.name)
+        if known is None or tuple(known.point.tolist()) != probe.point:
+            places = [f"{name} at {tuple(p.point.tolist())} m" for name, p in model.probes.items()]
+            raise SceneError(
+                f"{scene.path}: [[probe]] {probe.name}: {file} carries no such probe at "
+                f"{probe.point} m, only {', '.join(places) or 'none'}; reduce a scene that has it, "
+                "or leave it out"
+            )
+    if any(item.displacement is not None for item in scene.fixed):
+        raise SceneError(
+            f"{scene.path}: [[fixed]]: nodes that are moved as told cannot be played by a model; "
+            "simulate the scene, or leave displacement out"
+        )
+    if any(item.kind == "pressure" for item in scene.loads):
+        _log.warning("pressures act as at rest: in a model they do not follow the surface")
+
+
+def _body(model: ReducedModel, file: Path) -> Body:
+    """What the results tell about the body."""
+    origin = model.provenance["scene"]
+    try:
+        notes = tuple(str(note) for note in origin["notes"])
+        order, nodes = int(origin["order"]), int(origin["nodes"])
+    except (LookupError, TypeError, ValueError) as error:
+        raise FileFormatError(
+            f"{file}: does not tell of which body it is a model ({error!r}); reduce again"
+        ) from error
+    outputs = model.outputs
+    is_whole = len(model.nodes) == nodes and outputs.cells is not None
+    return Body(
+        points=model.points,
+        cells=outputs.cells if is_whole else outputs.cells[:0],
+        cell_type=outputs.cell_type,
+        order=order,
+        dofs=model.size,
+        solver="dense",
+        notes=notes,
+        more={"model": str(file), "force": model.law.kind},
+    )
+
+
+def _refuse_to_replace(folder: Path) -> None:
+    """Keep the results of `simulate`, which may have taken long, from being lost.
+
+    Raises:
+        DefoError: the folder holds some.
+    """
+    if not (folder / CHECKPOINT).exists():
+        return
+    try:
+        record = json.loads((folder / SUMMARY).read_text("utf-8"))
+    except (OSError, ValueError):
+        record = {}
+    if not isinstance(record, dict) or "model" not in record:
+        raise DefoError(
+            f"{folder}: holds the results of simulate; name another folder, to compare with them, "
+            "or add --overwrite."
+        )

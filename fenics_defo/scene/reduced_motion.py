@@ -1,0 +1,143 @@
+"""A model moved through a scene, as the loop over the steps of a run sees it; NumPy only."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fenics_defo.analysis.states import Energies, State, StepReport
+from fenics_defo.errors import DefoError, StepSizeError
+from fenics_defo.runtime import ReducedModel
+from fenics_defo.runtime.integrators import (
+    BackwardEuler,
+    CentralDifferences,
+    ImplicitNewmark,
+    Stepper,
+    SymplecticEuler,
+)
+from fenics_defo.scene.newton import newton_limits
+from fenics_defo.scene.records import Scene
+from fenics_defo.scene.reduced_loads import ReducedLoads, initial_coordinates
+from fenics_defo.scene.reduced_statics import ReducedStatics
+
+Array = NDArray[np.float64]
+
+
+class ReducedMotion:
+    """A model under way through the equations of motion or through equilibria.
+
+    Args:
+        model: model.
+        file: its name, for messages.
+        scene: scene.
+
+    Raises:
+        SceneError: the model does not carry a load or the start of the scene.
+        StepSizeError: the step is beyond what an explicit integrator stands.
+    """
+
+    def __init__(self, model: ReducedModel, file: Path, scene: Scene) -> None:
+        self._model, self._scene = model, scene
+        self._loads = ReducedLoads(model, file, scene)
+        q, v = initial_coordinates(model, file, scene)
+        self._body: ReducedStatics | Stepper
+        if scene.time.is_static:
+            tolerance, iterations = newton_limits(scene.time)
+            self._body = ReducedStatics(
+                model,
+                self._loads.force,
+                q=q,
+                step=scene.time.step,
+                tolerance=tolerance,
+                iterations=iterations,
+            )
+        else:
+            self._body = _stepper(model, scene, q, v, self._loads.force(0.0))
+
+    @property
+    def time(self) -> float:
+        """Time of the last good state [s]."""
+        return self._body.time
+
+    @property
+    def steps(self) -> int:
+        """Number of steps done."""
+        return self._body.steps
+
+    @property
+    def critical_step(self) -> float:
+        """Largest stable step [s]; infinite for implicit methods."""
+        return float(getattr(self._body, "critical_step", math.inf))
+
+    @property
+    def state(self) -> State:
+        """The last good state at the nodes that the model stores."""
+        model, body = self._model, self._body
+        fields = [model.displacement(values) for values in (body.q, body.v, body.a)]
+        return State(self.time, self.steps, *fields)
+
+    @property
+    def energies(self) -> Energies:
+        """Energies of the last good state."""
+        found = self._body.energies
+        names = ("kinetic", "strain", "external", "dissipated")
+        return Energies(*(float(getattr(found, name)) for name in names))
+
+    def probe(self, name: str) -> Array:
+        """Displacement (3,) [m] of a probe."""
+        return self._model.probe(name, self._body.q)
+
+    def advance(self) -> StepReport:
+        """Do one step.
+
+        Raises:
+            DivergenceError: it failed; the last good state stands.
+        """
+        body, iterations, halvings = self._body, 0, 0
+        if isinstance(body, ReducedStatics):
+            body.advance()
+            iterations, halvings = body.iterations, body.halvings
+        else:
+            self._strike(body)
+            body.advance(self._loads.force(body.load_time))
+            iterations = self._scene.time.newton or 0
+        return StepReport(body.time, body.steps, iterations, iterations, halvings, ())
+
+    def _strike(self, body: Stepper) -> None:
+        """The impulses of a step act at its start."""
+        start, tiny = body.time, 1e-9 * body.step
+        for time, momentum in self._loads.impulses:
+            if start - tiny <= time < start + body.step - tiny:
+                body.kick(momentum, load=self._loads.force(start))
+
+
+def _stepper(model: ReducedModel, scene: Scene, q: Array, v: Array, load: Array) -> Stepper:
+    """The scene's integrator on a model."""
+    time = scene.time
+    common: dict[str, Any] = {
+        "step": time.step,
+        "damping": (scene.damping.mass, scene.damping.stiffness),
+        "q": q,
+        "v": v,
+        "load": load,
+        "energies": True,
+    }
+    tolerance, iterations = newton_limits(time)
+    newton: dict[str, Any] = {
+        "newton": time.newton,
+        "newton_tolerance": tolerance,
+        "newton_iterations": iterations,
+    }
+    try:
+        match time.integrator:
+            case "implicit-newmark":
+                return ImplicitNewmark(model, **common, **newton, beta=time.beta, gamma=time.gamma)
+            case "backward-euler":
+                return BackwardEuler(model, **common, **newton)
+            case "central-differences":
+                return CentralDifferences(model, **common, allow_unstable=time.allow_unstable)
+        return SymplecticEuler(model, **common, allow_unstable=time.allow_unstable)
+    except (StepSizeError, DefoError) as error:
+        raise type(error)(f"{scene.path}: [time]: {error}") from error
