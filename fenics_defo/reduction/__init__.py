@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fenics_defo.reduction.basis import Basis
+    from fenics_defo.reduction.derivatives import modal_derivatives
 
 _HOME = {
     "Basis": "basis",
+    "modal_derivatives": "derivatives",
 }
 
 __all__ = [
     "Basis",
+    "modal_derivatives",
 ]
 
 

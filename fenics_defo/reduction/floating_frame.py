@@ -84,9 +84,7 @@ def _check_no_rigid_motion(frame: FloatingFrame) -> None:
     size = np.sqrt(np.diagonal(frame.shape_mass) + frame.mass * (frame.mean**2).sum(axis=0))
     if not (size > 0.0).all():
         raise DefoError(f"shape {int(np.argmin(size))} of a free body is zero; leave it out")
-    moment = np.stack(
-        [frame.linear[b, c] - frame.linear[c, b] for b, c in ((1, 2), (2, 0), (0, 1))]
-    )
+    moment = frame.turning_moment
     left = frame.shape_mass - moment.T @ np.linalg.solve(frame.inertia, moment)
     least = float(np.linalg.eigvalsh(left / np.outer(size, size))[0])
     if not least > _LEAST_SHARE:

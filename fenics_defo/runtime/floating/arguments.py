@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fenics_defo.errors import DefoError, LoadError, SolverError, StepSizeError
+from fenics_defo.errors import LoadError, SolverError, StepSizeError
 from fenics_defo.runtime.floating.rotations import from_quaternion
 from fenics_defo.runtime.floating.step import NewtonSettings
 

@@ -310,12 +310,8 @@ class FloatingBody:
         push = checked_vector("load", np.zeros(r) if load is None else load, size=r)
         fall = checked_vector("gravity", gravity)
         rows, vectors = checked_forces(forces, self._rows)
-        batches = {
-            "load": push.shape[:-1],
-            "gravity": fall.shape[:-1],
-            "forces": vectors.shape[:-2],
-        }
-        for name, batch in batches.items():
+        batches = {"load": push.shape[:-1], "gravity": fall.shape[:-1]}
+        for name, batch in (batches | {"forces": vectors.shape[:-2]}).items():
             if batch and batch != self._batch:
                 raise LoadError(
                     f"{name} was given for {batch[0]} bodies, but there are "

@@ -2,12 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.errors import FileFormatError
 from fenics_defo.runtime.archive import ArraySpec
 
 Array = NDArray[np.float64]
@@ -54,6 +53,23 @@ class FloatingFrame:
     Raises:
         ValueError: arrays whose shapes or values do not fit together.
     """
+
+    ARRAYS: ClassVar[Mapping[str, ArraySpec]] = {
+        "frame_mass": ArraySpec("f", 0),
+        "frame_centre": ArraySpec("f", 1),
+        "frame_second_moment": ArraySpec("f", 2),
+        "frame_mean": ArraySpec("f", 2),
+        "frame_linear": ArraySpec("f", 3),
+        "frame_quadratic": ArraySpec("f", 3),
+    }
+    UNITS: ClassVar[Mapping[str, str]] = {
+        "frame_mass": "kg",
+        "frame_centre": "m",
+        "frame_second_moment": "kg m^2",
+        "frame_mean": "m per unit of q",
+        "frame_linear": "kg m^2 per unit of q",
+        "frame_quadratic": "kg m^2 per unit of q squared",
+    }
 
     mass: float
     centre: Array
@@ -104,58 +120,34 @@ class FloatingFrame:
         return np.asarray(self.quadratic[:3].sum(axis=0))
 
     @property
+    def turning_moment(self) -> Array:
+        """Angular momentum at rest per rate of q, a_i = int rho X x U_i dV (3, r) [kg m²]."""
+        b = self.linear
+        return np.stack([b[1, 2] - b[2, 1], b[2, 0] - b[0, 2], b[0, 1] - b[1, 0]])
+
+    @property
     def axis_defect(self) -> float:
         """How far the frame is from the mean axes at rest: 0, to round-off, where it is theirs [-].
 
-        The largest share that a rigid rotation has in a shape: |a_i . I^-1 a_i / M_ii|^(1/2) with
-        a_i = int rho X x U_i dV; 1 for a shape that is a rotation.
+        The largest share that a rigid rotation has in a shape: (a_i . I^-1 a_i / M_ii)^(1/2) with
+        `turning_moment` a_i; 1 for a shape that is a rotation.
         """
-        moment = np.stack([self.linear[b, c] - self.linear[c, b] for b, c in _CYCLIC])
+        moment = self.turning_moment
         share = (moment * np.linalg.solve(self.inertia, moment)).sum(axis=0)
         mass = np.diagonal(self.shape_mass)
         ratio = np.divide(share, mass, out=np.zeros_like(share), where=mass > 0.0)
         return float(np.sqrt(np.abs(ratio).max(initial=0.0)))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """The record as arrays for a file, by the names in `FRAME_ARRAYS`."""
-        return {name: np.asarray(getattr(self, name.removeprefix("frame_"))) for name in _FIELDS}
+        """Return the arrays that a model file holds of the frame, by the names of `ARRAYS`."""
+        return {n: np.asarray(getattr(self, n.removeprefix("frame_"))) for n in self.ARRAYS}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
-        """The record that gave these `arrays`; others in the mapping are left alone.
+        """Return the frame whose `arrays` these are, bit by bit; others among them are not read.
 
         Raises:
-            FileFormatError: one is missing, or they do not fit together.
+            ValueError: they do not fit together.
         """
-        try:
-            return cls(**{name.removeprefix("frame_"): arrays[name] for name in _FIELDS})
-        except KeyError as error:
-            raise FileFormatError(
-                f"the floating frame lacks the array {error.args[0]!r}"
-            ) from error
-        except (TypeError, ValueError, np.linalg.LinAlgError) as error:
-            raise FileFormatError(f"the floating frame is inconsistent: {error}") from error
-
-
-_CYCLIC = ((1, 2), (2, 0), (0, 1))
-_FIELDS = {
-    "frame_mass": 0,
-    "frame_centre": 1,
-    "frame_second_moment": 2,
-    "frame_mean": 2,
-    "frame_linear": 3,
-    "frame_quadratic": 3,
-}
-
-FRAME_ARRAYS = {name: ArraySpec("f", ndim) for name, ndim in _FIELDS.items()}
-"""What a file must hold of a floating frame, for `read_archive`."""
-
-FRAME_UNITS = {
-    "frame_mass": "kg",
-    "frame_centre": "m",
-    "frame_second_moment": "kg m^2",
-    "frame_mean": "m per unit of q",
-    "frame_linear": "kg m^2 per unit of q",
-    "frame_quadratic": "kg m^2 per unit of q squared",
-}
-"""Units of these arrays."""
+        values: dict[str, Any] = {n.removeprefix("frame_"): arrays[n] for n in cls.ARRAYS}
+        return cls(**values)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# eps_kij as a matrix (9, 3): its product with a vector is minus the matrix of the cross product.
+# A vector times this (3, 9) is the matrix of the cross product with it.
 _LEVI_CIVITA = np.zeros((3, 3, 3))
 for _k, _i, _j in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
     _LEVI_CIVITA[_k, _i, _j], _LEVI_CIVITA[_k, _j, _i] = 1.0, -1.0
@@ -17,7 +17,7 @@ _SMALL = 1e-4
 
 
 def skew(vector: Array) -> Array:
-    """Matrices (..., 3, 3) with skew(a) b = a x b, of vectors (..., 3)."""
+    """Matrices (..., 3, 3) of the cross products a x b with vectors a (..., 3)."""
     return np.asarray(vector @ _TO_SKEW).reshape(*vector.shape, 3)
 
 

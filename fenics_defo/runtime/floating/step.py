@@ -13,7 +13,7 @@ from fenics_defo.runtime.floating.state import FloatingState
 
 Array = NDArray[np.float64]
 
-# The spin is found by Newton's method: after a change as small as this, the next would be round-off.
+# Newton's method finds the spin: after a change as small as this, the next would be round-off.
 _SPIN_CHANGE = 1e-9
 _SPIN_ITERATIONS = 30
 
