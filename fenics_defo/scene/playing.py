@@ -1,6 +1,5 @@
 """A scene played by a model into a folder, with NumPy alone."""
 
-import json
 import logging
 import os
 from pathlib import Path
@@ -10,7 +9,7 @@ from fenics_defo.errors import DefoError, FileFormatError, SceneError
 from fenics_defo.runtime import ReducedModel, load
 from fenics_defo.scene.body import Body
 from fenics_defo.scene.carried import check_same_body
-from fenics_defo.scene.folder import CHECKPOINT, SUMMARY, make_folder
+from fenics_defo.scene.folder import CHECKPOINT, make_folder
 from fenics_defo.scene.parsing import parse_scene
 from fenics_defo.scene.records import Scene
 from fenics_defo.scene.reduced_motion import ReducedMotion
@@ -132,13 +131,7 @@ def _refuse_to_replace(folder: Path) -> None:
     Raises:
         DefoError: the folder holds some.
     """
-    if not (folder / CHECKPOINT).exists():
-        return
-    try:
-        record = json.loads((folder / SUMMARY).read_text("utf-8"))
-    except (OSError, ValueError):
-        record = {}
-    if not isinstance(record, dict) or "model" not in record:
+    if (folder / CHECKPOINT).exists():  # `play` leaves none
         raise DefoError(
             f"{folder}: holds the results of simulate; name another folder, to compare with them, "
             "or add --overwrite."
