@@ -17,12 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fenics_defo.runtime.archive import ArraySpec
-from fenics_defo.runtime.forces.coordinates import (
-    by_batches,
-    checked,
-    frozen_array,
-    symmetric_array,
-)
+from fenics_defo.runtime.forces.coordinates import by_batches, checked
 from fenics_defo.runtime.forces.cubic_evaluators import CubicBatchEvaluator, CubicEvaluator
 from fenics_defo.runtime.forces.symmetric import (
     diagonal_weights,
@@ -33,6 +28,7 @@ from fenics_defo.runtime.forces.symmetric import (
     unique_fourth,
     unique_third,
 )
+from fenics_defo.runtime.frozen import frozen_array, symmetric_array
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ def _rest(table: Array, linear: Array) -> Array:
     """Return the matrix (r + s, r) that takes [q, m] to (2 K q + k2 q / 2) / 3."""
     r = len(linear)
     halved = table[:, 1 : 1 + r] * diagonal_weights(r)[:, None]
-    return np.concatenate([2.0 * linear, halved]) / 3.0
+    return np.concatenate([linear * (2.0 / 3.0), halved / 3.0])
 
 
 class CubicEvaluator:

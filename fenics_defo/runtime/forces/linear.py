@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.archive import ArraySpec
-from fenics_defo.runtime.forces.coordinates import checked, symmetric_array
+from fenics_defo.runtime.forces.coordinates import checked
+from fenics_defo.runtime.frozen import symmetric_array
 
 Array = NDArray[np.float64]
 

@@ -75,7 +75,11 @@ def unique_fourth(matrix: Array) -> Array:
     place = pair_places(r)
     i, j, k, l = unique_indices(r, 4)  # noqa: E741
     splits = [(place[i, j], place[k, l]), (place[i, k], place[j, l]), (place[i, l], place[j, k])]
-    return _mean([0.5 * (matrix[a, b] + matrix[b, a]) for a, b in splits])
+    return _mean([_middle(matrix[a, b], matrix[b, a]) for a, b in splits])
+
+
+def _middle(one: Array, other: Array) -> Array:
+    return one + 0.5 * (other - one)  # exactly ``one`` where they are equal
 
 
 def _mean(equals: list[Array]) -> Array:
