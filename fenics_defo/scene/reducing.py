@@ -16,7 +16,13 @@ from fenics_defo.errors import SceneError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.projection import Projection
 from fenics_defo.fem.ranks import on_first_rank
-from fenics_defo.reduction import Basis, linear_basis, modal_derivative_basis, reduce, snapshot_basis
+from fenics_defo.reduction import (
+    Basis,
+    linear_basis,
+    modal_derivative_basis,
+    reduce,
+    snapshot_basis,
+)
 from fenics_defo.runtime import ReducedModel, check_writable
 from fenics_defo.scene.building import build_solid, told
 from fenics_defo.scene.carried import body_identity
