@@ -22,8 +22,8 @@ class StaticResponse:
 
     A body that is free to move has motions R without stiffness, Rᵀ M R = I. Loads are brought into
     balance by the inertia of a rigid acceleration, (I - M R Rᵀ) g, and the answer's part along R is
-    taken out, (I - R Rᵀ M) y. Blocks of vectors are over this rank's own components, (owned dofs, b)
-    in Fortran order. All is collective.
+    taken out, (I - R Rᵀ M) y. Blocks of vectors are over the components that this rank owns,
+    (owned dofs, b) in Fortran order. All is collective.
 
     Args:
         solid: body.

@@ -1,9 +1,12 @@
 """A body's displacements, forces and tangents within the span of a few fields."""
 
+from petsc4py import PETSc
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fenics_defo.errors import DefoError
+from fenics_defo.fem.assembly import Assembly
 from fenics_defo.fem.linalg import multiply
 from fenics_defo.fem.solid import Solid
 
@@ -61,16 +64,29 @@ class Projection:
 
     def force_and_stiffness(self, q: Array) -> tuple[Array, Array]:
         """Uᵀ f(U q) (r,) and Uᵀ K(U q) U (r, r), the latter made symmetric."""
-        # A support's rows are part of K here: the fields need not vanish there.
-        free = self._assembly.with_held(np.zeros_like(self._assembly.held))
+        free = self._free()
         matrix = free.empty_matrix()
         try:
             force = free.linearise(matrix, self.displacement(q))
-            image = multiply(matrix, self._own.T)
+            return self.project(force), self._projected(matrix)
         finally:
             matrix.destroy()
-        stiffness = self._sum(self._own @ image)
-        return self.project(force), 0.5 * (stiffness + stiffness.T)
+
+    def stiffness_at_rest(self) -> Array:
+        """Uᵀ K(0) U (r, r), made symmetric."""
+        matrix = self._free().stiffness_matrix()
+        try:
+            return self._projected(matrix)
+        finally:
+            matrix.destroy()
+
+    def _free(self) -> Assembly:
+        """The body without supports, whose rows are part of K: the fields need not vanish there."""
+        return self._assembly.with_held(np.zeros_like(self._assembly.held))
+
+    def _projected(self, matrix: PETSc.Mat) -> Array:
+        stiffness = self._sum(self._own @ multiply(matrix, self._own.T))
+        return 0.5 * (stiffness + stiffness.T)
 
     def _sum(self, own: Array) -> Array:
         total = np.empty_like(own)

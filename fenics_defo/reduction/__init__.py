@@ -8,17 +8,29 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fenics_defo.reduction.bases import linear_basis, modal_derivative_basis, snapshot_basis
     from fenics_defo.reduction.basis import Basis
     from fenics_defo.reduction.derivatives import modal_derivatives
+    from fenics_defo.reduction.given_fields import basis_from_array, join
 
 _HOME = {
     "Basis": "basis",
+    "basis_from_array": "given_fields",
+    "join": "given_fields",
+    "linear_basis": "bases",
+    "modal_derivative_basis": "bases",
     "modal_derivatives": "derivatives",
+    "snapshot_basis": "bases",
 }
 
 __all__ = [
     "Basis",
+    "basis_from_array",
+    "join",
+    "linear_basis",
+    "modal_derivative_basis",
     "modal_derivatives",
+    "snapshot_basis",
 ]
 
 

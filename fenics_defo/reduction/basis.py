@@ -11,7 +11,7 @@ from fenics_defo.errors import DefoError
 
 Array = NDArray[np.float64]
 
-type Plain = str | int | float | bool | None | tuple["Plain", ...]
+type Plain = str | int | float | bool | tuple["Plain", ...] | None
 """What the origin of a basis is told in: values that JSON can hold."""
 
 _ASYMMETRY = 1e-9

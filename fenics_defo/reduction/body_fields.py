@@ -1,4 +1,4 @@
-"""Displacement fields between the user's order and this rank's own components; what a body takes."""
+"""Displacement fields in the user's order and over a rank's own part; what a body can take."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,15 +79,11 @@ def elastic_modes(solid: Solid, modes: Modes) -> tuple[Array, Array]:
             f"modes must be what linear_modes or load_modes returned, got {type(modes).__name__}; "
             "for fields of your own use basis_from_array"
         )
-    shapes = (
-        checked_fields(solid, modes.shapes[modes.rigid_modes :], "modes")
-        if (modes.rigid_modes < modes.size)
-        else None
-    )
-    if shapes is None:
+    if not modes.rigid_modes < modes.size:
         raise DefoError(
             f"all {modes.size} modes are rigid motions, which do not deform the body; compute more"
         )
+    shapes = checked_fields(solid, modes.shapes[modes.rigid_modes :], "modes")
     tolerance = 1e-6 * float(np.ptp(solid.points, axis=0).max())
     if not np.abs(modes.points - solid.points).max() <= tolerance:
         raise DefoError(

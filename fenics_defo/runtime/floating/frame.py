@@ -85,7 +85,7 @@ class FloatingFrame:
         shapes["quadratic"] = (6, r, r)
         for name, shape in shapes.items():
             given = np.array(getattr(self, name), dtype=np.float64)
-            if given.shape != shape or r < 0:
+            if given.shape != shape:
                 raise ValueError(f"{name} has the shape {given.shape}, which does not fit {shape}")
             if not np.isfinite(given).all():
                 raise ValueError(f"{name} of a floating frame holds values that are not finite")
