@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.floating.frame import PAIRS, FloatingFrame
+from fenics_defo.runtime.floating.rotations import LEVI_CIVITA
 
 Array = NDArray[np.float64]
 
@@ -89,16 +90,9 @@ class Inertia:
         column = q[..., None, :, None]
         first = (np.swapaxes(self._linear, 0, 1) @ column)[..., 0]
         second = self._second + first + (moments @ column)[..., 0]
-        trace = np.trace(second, axis1=-2, axis2=-1)[..., None, None]
-        coupling = np.stack(
-            [
-                moments[..., 1, 2, :] - moments[..., 2, 1, :],
-                moments[..., 2, 0, :] - moments[..., 0, 2, :],
-                moments[..., 0, 1, :] - moments[..., 1, 0, :],
-            ],
-            axis=-2,
-        )
-        return InertiaAtShape(moments, trace * _EYE - second, coupling)
+        trace = second[..., 0, 0] + second[..., 1, 1] + second[..., 2, 2]
+        coupling = LEVI_CIVITA @ moments.reshape(*q.shape[:-1], 9, r)
+        return InertiaAtShape(moments, trace[..., None, None] * _EYE - second, coupling)
 
     def gyroscopic_rows(self, rates: Array) -> Array:
         """G_k q' (..., 3, r) for unit spins about the axes; G(w) q' is their sum by w."""

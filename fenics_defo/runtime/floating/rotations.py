@@ -1,5 +1,8 @@
 """Rotations as matrices: exponential map, its derivative, quaternions; any leading axes."""
 
+import math
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +13,8 @@ _LEVI_CIVITA = np.zeros((3, 3, 3))
 for _k, _i, _j in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
     _LEVI_CIVITA[_k, _i, _j], _LEVI_CIVITA[_k, _j, _i] = 1.0, -1.0
 _TO_SKEW = -_LEVI_CIVITA.reshape(3, 9)
+LEVI_CIVITA = _LEVI_CIVITA.reshape(3, 9)
+"""e_kab as (3, 9): a product with moments (9, ...) of two vectors gives their cross product's."""
 _EYE = np.eye(3)
 
 # Below this square of an angle the series are exact to round-off.
@@ -41,18 +46,43 @@ def exponential(angle: Array) -> tuple[Array, Array]:
     Returns:
         both (..., 3, 3).
     """
-    square = (angle * angle).sum(axis=-1)[..., None, None]
-    t = np.sqrt(square)
-    small = square < _SMALL
-    safe = np.where(small, 1.0, square)
-    root = np.sqrt(safe)
-    a = np.where(small, 1.0 - square / 6.0 * (1.0 - square / 20.0), np.sin(t) / root)
-    half = np.sin(0.5 * t) / root  # without the cancellation of 1 - cos
-    b = np.where(small, 0.5 - square / 24.0 * (1.0 - square / 30.0), 2.0 * half * half)
-    c = np.where(small, 1.0 / 6.0 - square / 120.0 * (1.0 - square / 42.0), (1.0 - a) / safe)
     s = skew(angle)
     twice = s @ s
+    a: Any
+    b: Any
+    c: Any
+    if angle.ndim == 1:  # numbers are several times faster than arrays of one number
+        square = float(angle @ angle)
+        a, b, c = _of_small(square) if square < _SMALL else _of_one(square)
+    else:
+        squares = (angle * angle).sum(axis=-1)[..., None, None]
+        a, b, c = _of_many(squares)
     return _EYE + a * s + b * twice, _EYE - b * s + c * twice
+
+
+def _of_small[T: (float, Array)](square: T) -> tuple[T, T, T]:
+    """Series of a, b and c of `exponential` in the square of the angle."""
+    return (
+        1.0 - square / 6.0 * (1.0 - square / 20.0),
+        0.5 - square / 24.0 * (1.0 - square / 30.0),
+        1.0 / 6.0 - square / 120.0 * (1.0 - square / 42.0),
+    )
+
+
+def _of_one(square: float) -> tuple[float, float, float]:
+    t = math.sqrt(square)
+    a, half = math.sin(t) / t, math.sin(0.5 * t) / t
+    return a, 2.0 * half * half, (1.0 - a) / square  # without the cancellation of 1 - cos
+
+
+def _of_many(squares: Array) -> tuple[Array, Array, Array]:
+    small = squares < _SMALL
+    safe = np.where(small, 1.0, squares)
+    t = np.sqrt(safe)
+    a, half = np.sin(t) / t, np.sin(0.5 * t) / t
+    large = (a, 2.0 * half * half, (1.0 - a) / safe)
+    found = [np.where(small, x, y) for x, y in zip(_of_small(squares), large, strict=True)]
+    return found[0], found[1], found[2]
 
 
 def orthonormalised(rotation: Array) -> Array:

@@ -13,8 +13,8 @@ from fenics_defo.runtime.floating.state import FloatingState
 
 Array = NDArray[np.float64]
 
-# Newton's method finds the spin: after a change as small as this, the next would be round-off.
-_SPIN_CHANGE = 1e-9
+# Turns as small as this [rad] need no more than the first order: the rest would be round-off.
+_SMALL_TURN = 1e-7
 _SPIN_ITERATIONS = 30
 
 
@@ -48,7 +48,7 @@ class _Linearised:
         shape_by_spin: (..., r, 3).
         spin_by_q: (..., 3, r).
         spin_by_spin: (..., 3, 3).
-        excess: largest residual relative to the largest term [-].
+        terms: what the two residuals are sums of.
     """
 
     shape: Array
@@ -57,7 +57,11 @@ class _Linearised:
     shape_by_spin: Array
     spin_by_q: Array
     spin_by_spin: Array
-    excess: float
+    terms: tuple[tuple[Array, ...], tuple[Array, ...]]
+
+    def excess(self) -> float:
+        """Largest residual relative to the largest term [-]."""
+        return max(_excess(self.shape, self.terms[0]), _excess(self.spin, self.terms[1]))
 
 
 class FloatingStep:
@@ -144,14 +148,14 @@ class FloatingStep:
         most = newton.most if newton.iterations is None else newton.iterations
         for iteration in range(most):
             now = self._linearised(start, half, q, spin, bent, loads)
-            if newton.iterations is None and iteration and now.excess <= newton.tolerance:
+            if newton.iterations is None and iteration and now.excess() <= newton.tolerance:
                 break
             change, turn = _solved(now)
             q, spin = q + change, spin + turn
             bent = q
         else:
             if newton.iterations is None and not (
-                self._linearised(start, half, q, spin, bent, loads).excess <= newton.tolerance
+                self._linearised(start, half, q, spin, bent, loads).excess() <= newton.tolerance
             ):
                 raise StepFailure(f"Newton's method did not converge in {most} iterations")
         return self._ended(start, half, q, spin, loads)
@@ -183,7 +187,6 @@ class FloatingStep:
         carried, deforming = _times(at.inertia, spin), _times(at.coupling, v)
         turning = carried + deforming - angular - 0.5 * h * loaded.moment
         terms = (elastic, damping, loaded.push, start.push, (2.0 / h) * momenta)
-        excess = max(_excess(shape, terms), _excess(turning, (carried, deforming, angular)))
         by_q = self._heavy + self._stiff * stiffness - (4.0 / h) * gyro - softening
         push_turn, moment_q, moment_turn = self._slopes(loads, loaded)
         reach = 0.5 * h * jacobian
@@ -194,7 +197,7 @@ class FloatingStep:
             np.swapaxes((2.0 / h) * at.coupling - rows - slope, -1, -2) - push_turn @ reach,
             slope + (2.0 / h) * at.coupling + rows - 0.5 * h * moment_q,
             at.inertia - (skew(angular) + 0.5 * h * moment_turn) @ reach,
-            excess,
+            (terms, (carried, deforming, angular)),
         )
 
     def _slopes(self, loads: Loads, loaded: LoadsAtShape) -> tuple[Array, Array, Array]:
@@ -223,7 +226,7 @@ class FloatingStep:
         return FloatingState(
             time=start.time + h,
             position=start.position + 0.5 * h * (start.velocity + velocity),
-            rotation=orthonormalised(rotation),
+            rotation=rotation,
             velocity=velocity,
             spin=spin,
             q=q,
@@ -250,17 +253,26 @@ class FloatingStep:
         deforming = _times(at.coupling, v)
         for _ in range(_SPIN_ITERATIONS):
             rotation, jacobian = self._turned(start, spin)
-            loaded = loads.at(q, rotation)
-            angular = _times(np.swapaxes(rotation, -1, -2), half)
+            angular, loaded = self._carried(half, q, rotation, loads)
             rest = _times(at.inertia, spin) + deforming - angular - 0.5 * h * loaded.moment
             reach = skew(angular) + 0.5 * h * self._slopes(loads, loaded)[2]
             slope = at.inertia - reach @ (0.5 * h * jacobian)
             change = np.linalg.solve(slope, rest[..., None])[..., 0]
             spin = spin - change
-            if np.abs(change).max() <= _SPIN_CHANGE * np.abs(spin).max():
-                rotation, _ = self._turned(start, spin)
-                return spin, rotation, loads.at(q, rotation).moment
+            turn = 0.5 * h * _times(jacobian, change)
+            if np.abs(turn).max() <= _SMALL_TURN:
+                rotation = orthonormalised(rotation - rotation @ skew(turn))
+                angular, loaded = self._carried(half, q, rotation, loads)
+                right = angular + 0.5 * h * loaded.moment - deforming
+                spin = np.linalg.solve(at.inertia, right[..., None])[..., 0]
+                return spin, rotation, loaded.moment
         raise StepFailure("no angular velocity was found that keeps the angular momentum")
+
+    def _carried(
+        self, half: Array, q: Array, rotation: Array, loads: Loads
+    ) -> tuple[Array, LoadsAtShape]:
+        """Angular momentum from the first half of the step, and the loads, in the frame."""
+        return _times(np.swapaxes(rotation, -1, -2), half), loads.at(q, rotation)
 
 
 def _solved(at: _Linearised) -> tuple[Array, Array]:

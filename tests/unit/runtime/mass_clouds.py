@@ -45,7 +45,9 @@ class Cloud:
         )
 
 
-def cloud(size: int = 4, *, seed: int = 1, tisserand: bool = True, stiffness: float = 40.0) -> Cloud:
+def cloud(
+    size: int = 4, *, seed: int = 1, tisserand: bool = True, stiffness: float = 40.0
+) -> Cloud:
     """Twelve random masses with ``size`` random shapes of unit mass matrix.
 
     Without ``tisserand`` the shapes keep what they have of rigid motions, and of each other.

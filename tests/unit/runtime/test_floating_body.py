@@ -64,12 +64,11 @@ def test_momentum_is_that_of_the_points() -> None:
 
 @each_newton
 def test_energy_does_not_drift(newton: int | None) -> None:
-    """Over a hundred turns. Its error is of second order; one iteration a step lets it creep."""
-    flyer = flying(cloud(stiffness=400.0), newton=newton, velocity=np.zeros(3))
+    """Over tens of turns. Its error is of second order; one iteration a step lets it creep."""
+    flyer = flying(cloud(stiffness=400.0), step=0.04, newton=newton, velocity=np.zeros(3))
     found = []
-    for _ in range(2000):
-        flyer.advance()
-        energies = flyer.energies
+    for _ in range(300):
+        energies = run(flyer, 2).energies
         found.append(float(energies.kinetic + energies.strain))
     total = np.array(found) / found[0]
     assert np.ptp(total) < 0.02
@@ -153,7 +152,8 @@ def test_damping_takes_energy_but_no_momentum() -> None:
     for _ in range(300):
         flyer.advance()
         energies = flyer.energies
-        assert (total := float(energies.kinetic + energies.strain)) <= last + 1e-12
+        total = float(energies.kinetic + energies.strain)
+        assert total <= last + 1e-12
         last = total
     assert flyer.momentum()[1] == pytest.approx(before[1], rel=1e-12)
 
@@ -164,7 +164,9 @@ def test_free_fall_deforms_nothing() -> None:
     start = flyer.world_points()
     run(flyer, 50, gravity=g)
     fallen = 0.5 * VELOCITY + 0.125 * g
-    assert flyer.world_points() - start == pytest.approx(np.broadcast_to(fallen, (12, 3)), abs=1e-13)
+    assert flyer.world_points() - start == pytest.approx(
+        np.broadcast_to(fallen, (12, 3)), abs=1e-13
+    )
     assert flyer.velocity == pytest.approx(VELOCITY + 0.5 * g, abs=1e-13)
     assert flyer.time == pytest.approx(0.5)
     assert flyer.steps == 50
