@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from fenics_defo.runtime.archive import ArraySpec, read_archive, write_archive
     from fenics_defo.runtime.atomic import atomic_path, check_writable
     from fenics_defo.runtime.comparison import mac
-    from fenics_defo.runtime.floating import FloatingFrame
+    from fenics_defo.runtime.floating import FloatingBody, FloatingFrame
     from fenics_defo.runtime.forces import CubicForce, ForceLaw, LinearForce, TaylorForce
     from fenics_defo.runtime.model import ReducedModel
     from fenics_defo.runtime.model import load_model as load
@@ -22,6 +22,7 @@ _HOME = {
     "NODES_PER_CELL": "modes",
     "ArraySpec": "archive",
     "CubicForce": "forces",
+    "FloatingBody": "floating",
     "FloatingFrame": "floating",
     "ForceLaw": "forces",
     "LinearForce": "forces",
@@ -44,6 +45,7 @@ __all__ = [
     "NODES_PER_CELL",
     "ArraySpec",
     "CubicForce",
+    "FloatingBody",
     "FloatingFrame",
     "ForceLaw",
     "LinearForce",

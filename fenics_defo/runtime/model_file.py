@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from fenics_defo.errors import DefoError, FileFormatError
 from fenics_defo.runtime.archive import ArraySpec, read_archive, write_archive
 from fenics_defo.runtime.floating.frame import FloatingFrame
-from fenics_defo.runtime.forces import CubicForce, ForceLaw, LinearForce, TaylorForce
+from fenics_defo.runtime.forces import CubicForce, LinearForce, StoredLaw, TaylorForce
 from fenics_defo.runtime.metadata import json_text, parse_mapping
 from fenics_defo.runtime.outputs import Outputs, Probe
 
 KIND = "reduced model"
 VERSION = 1
 
-FORCE_LAWS: Mapping[str, type[ForceLaw]] = {
+FORCE_LAWS: Mapping[str, type[StoredLaw]] = {
     law.kind: law for law in (LinearForce, CubicForce, TaylorForce)
 }
 """The laws that a file can hold, by the name that it gives."""
@@ -137,7 +137,7 @@ def _check_version(path: str | os.PathLike[str], version: int) -> None:
         raise FileFormatError(f"{path}: has the impossible version {version}; write it again.")
 
 
-def _law(path: str | os.PathLike[str], kind: str) -> type[ForceLaw]:
+def _law(path: str | os.PathLike[str], kind: str) -> type[StoredLaw]:
     if kind not in FORCE_LAWS:
         raise FileFormatError(
             f"{path}: has a force law of the unknown kind {kind!r}; this package knows "
@@ -147,7 +147,7 @@ def _law(path: str | os.PathLike[str], kind: str) -> type[ForceLaw]:
 
 
 def _fields(
-    arrays: Mapping[str, NDArray[Any]], law: type[ForceLaw], *, floats: bool
+    arrays: Mapping[str, NDArray[Any]], law: type[StoredLaw], *, floats: bool
 ) -> dict[str, Any]:
     """Return the fields; ValueError if the arrays do not fit together."""
     outputs = {name: arrays[name] for name in ("nodes", "points", "shapes", "cells")}

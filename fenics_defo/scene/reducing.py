@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.analysis import linear_modes
-from fenics_defo.analysis.applied_loads import AppliedLoads
-from fenics_defo.analysis.inertia_operators import ConsistentMassOperator, LumpedMass, Mass
 from fenics_defo.errors import SceneError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.projection import Projection
@@ -23,6 +21,7 @@ from fenics_defo.reduction import (
     reduce,
     snapshot_basis,
 )
+from fenics_defo.reduction.load_projection import MassKind, mass_of
 from fenics_defo.runtime import ReducedModel, check_writable
 from fenics_defo.scene.building import build_solid, told
 from fenics_defo.scene.carried import body_identity
@@ -78,22 +77,22 @@ def reduce_scene(
     with phases("basis"):
         basis = _basis(solid, settled)
     with phases("force"):
-        is_explicit = scene.time.integrator in EXPLICIT
-        with told(scene, "[require] and [[probe]]"):
+        mass: MassKind = "lumped" if scene.time.integrator in EXPLICIT else "consistent"
+        with told(scene, "[[load]], [require] and [[probe]]"):
             model = reduce(
                 solid,
                 basis,
                 settled.force,
                 outputs=scene.require.outputs,
+                loads=unit_loads(scene, solid),
                 probes={probe.name: probe.point for probe in scene.probes},
                 damping=(scene.damping.mass, scene.damping.stiffness),
-                mass="lumped" if is_explicit else "consistent",
+                mass=mass,
             )
-    with phases("loads"):
-        mass = (LumpedMass if is_explicit else ConsistentMassOperator)(solid.assembly)
+    with phases("start"):
         model = replace(
             model,
-            loads={**model.loads, **_carried_loads(scene, solid, basis, mass)},
+            loads={**model.loads, **_momenta(scene, solid, basis, mass)},
             provenance={**model.provenance, "scene": _origin(scene, solid)},
         )
     with phases("write"):
@@ -122,19 +121,12 @@ def _basis(solid: Solid, recipe: Recipe) -> Basis:
     return modal_derivative_basis(solid, modes, recipe.size, share=recipe.share)
 
 
-def _carried_loads(scene: Scene, solid: Solid, basis: Basis, mass: Mass) -> Mapping[str, Array]:
-    """Projections of the scene's loads, and of the momenta that make up its initial state."""
-    projection = Projection(solid, basis.shapes)
-    owned = solid.nodes.owned
-    at_rest = np.zeros((len(solid.nodes.rows), 3))
-    found: dict[str, Array] = {}
-    for name, load in unit_loads(scene, solid).items():
-        with told(scene, "[[load]]"):
-            applied = AppliedLoads(solid, [load], mass)
-        momenta = [momentum for _, momentum in applied.impulses]
-        found[name] = projection.project(momenta[0] if momenta else applied.force(0.0, at_rest))
+def _momenta(scene: Scene, solid: Solid, basis: Basis, kind: MassKind) -> Mapping[str, Array]:
+    """Momenta of the fields that the initial state is put together from, projected."""
+    projection, mass = Projection(solid, basis.shapes), mass_of(solid, kind)
+    found = {}
     for name, field in initial_fields(scene, solid):
-        own = np.ascontiguousarray(solid.nodes.scatter(field)[:owned])
+        own = np.ascontiguousarray(solid.nodes.scatter(field)[: solid.nodes.owned])
         found[name] = projection.project(mass.apply(own))
     return found
 

@@ -6,9 +6,11 @@ integrals of mass that the inertia forces of this motion need, `FloatingBody` mo
 """
 
 from fenics_defo.runtime.floating.body import Coupling, FloatingBody, FloatingEnergies
-from fenics_defo.runtime.floating.frame import FloatingFrame
+from fenics_defo.runtime.floating.frame import FRAME_ARRAYS, FRAME_UNITS, FloatingFrame
 
 __all__ = [
+    "FRAME_ARRAYS",
+    "FRAME_UNITS",
     "Coupling",
     "FloatingBody",
     "FloatingEnergies",

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,26 @@ Array = NDArray[np.float64]
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """Axes (a, b) of the blocks of `FloatingFrame.quadratic`, in this order."""
+
+FRAME_ARRAYS = {
+    "frame_mass": ArraySpec("f", 0),
+    "frame_centre": ArraySpec("f", 1),
+    "frame_second_moment": ArraySpec("f", 2),
+    "frame_mean": ArraySpec("f", 2),
+    "frame_linear": ArraySpec("f", 3),
+    "frame_quadratic": ArraySpec("f", 3),
+}
+"""What a file must hold of a floating frame, for `read_archive`."""
+
+FRAME_UNITS = {
+    "frame_mass": "kg",
+    "frame_centre": "m",
+    "frame_second_moment": "kg m^2",
+    "frame_mean": "m per unit of q",
+    "frame_linear": "kg m^2 per unit of q",
+    "frame_quadratic": "kg m^2 per unit of q squared",
+}
+"""Units of these arrays."""
 
 # Least eigenvalue of the inertia, relative to the largest, of a body that is not a needle.
 _NEEDLE = 1e-12
@@ -53,23 +73,6 @@ class FloatingFrame:
     Raises:
         ValueError: arrays whose shapes or values do not fit together.
     """
-
-    ARRAYS: ClassVar[Mapping[str, ArraySpec]] = {
-        "frame_mass": ArraySpec("f", 0),
-        "frame_centre": ArraySpec("f", 1),
-        "frame_second_moment": ArraySpec("f", 2),
-        "frame_mean": ArraySpec("f", 2),
-        "frame_linear": ArraySpec("f", 3),
-        "frame_quadratic": ArraySpec("f", 3),
-    }
-    UNITS: ClassVar[Mapping[str, str]] = {
-        "frame_mass": "kg",
-        "frame_centre": "m",
-        "frame_second_moment": "kg m^2",
-        "frame_mean": "m per unit of q",
-        "frame_linear": "kg m^2 per unit of q",
-        "frame_quadratic": "kg m^2 per unit of q squared",
-    }
 
     mass: float
     centre: Array
@@ -139,8 +142,8 @@ class FloatingFrame:
         return float(np.sqrt(np.abs(ratio).max(initial=0.0)))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays that a model file holds of the frame, by the names of `ARRAYS`."""
-        return {n: np.asarray(getattr(self, n.removeprefix("frame_"))) for n in self.ARRAYS}
+        """Return what a model file holds of the frame, by the names of `FRAME_ARRAYS`."""
+        return {n: np.asarray(getattr(self, n.removeprefix("frame_"))) for n in FRAME_ARRAYS}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
@@ -149,5 +152,5 @@ class FloatingFrame:
         Raises:
             ValueError: they do not fit together.
         """
-        values: dict[str, Any] = {n.removeprefix("frame_"): arrays[n] for n in cls.ARRAYS}
+        values: dict[str, Any] = {n.removeprefix("frame_"): arrays[n] for n in FRAME_ARRAYS}
         return cls(**values)

@@ -5,6 +5,8 @@ k2 q / 2 is a product of the quadratic coefficients with the same products m = q
 but K(q) need be unpacked from pairs, and the table is read once, which is what takes the time.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,44 +26,35 @@ class CubicEvaluator:
     """Evaluator of one body; see `fenics_defo.runtime.forces.force_law.Evaluator`.
 
     For ten coordinates a call to NumPy costs as much as its arithmetic, so that there are few:
-    one gather of all products ``[q / 3, 1, q, m]`` from ``[q, 1, 1 / 3]`` by two lists of places,
-    one product with the table, one gather of K(q) and one product for f.
+    two gathers of factors and their products ``[q / 3, 1, q, m]`` out of ``[q, 1, 1 / 3]``, one
+    product with the table, one gather of K(q) and one product for f. Their buffers never change,
+    so that the list of calls is made once.
     """
 
-    __slots__ = (
-        "_coordinates",
-        "_extended",
-        "_first",
-        "_force",
-        "_left",
-        "_matrix",
-        "_packed",
-        "_places",
-        "_products",
-        "_right",
-        "_second",
-        "_stiffness",
-        "_table",
-        "_terms",
-    )
+    __slots__ = ("_calls", "_coordinates", "_force", "_stiffness")
 
     def __init__(self, table: Array, linear: Array) -> None:
         r = len(linear)
         i, j = pairs(r)
         every, one, third = np.arange(r), np.array([r]), np.array([r + 1])
-        self._table = table
-        self._extended = np.empty(r + 2)
-        self._extended[r:] = 1.0, 1.0 / 3.0
-        self._coordinates = self._extended[:r]
-        self._first = np.concatenate([every, one, every, i])
-        self._second = np.concatenate([np.repeat(third, r), np.repeat(one, 1 + r), j])
-        self._left, self._right, self._products = np.empty((3, self._first.size))
-        self._terms = self._products[r:]
-        self._packed = np.empty(len(table))
-        self._places = pair_places(r)
-        self._matrix = np.concatenate([linear, np.zeros((1, r)), _rest(table, linear)])
-        self._stiffness = self._matrix[:r]
+        first = np.concatenate([every, one, every, i])
+        second = np.concatenate([np.repeat(third, r), np.repeat(one, 1 + r), j])
+        extended = np.empty(r + 2)
+        extended[r:] = 1.0, 1.0 / 3.0
+        left, right, products = np.empty((3, first.size))
+        packed = np.empty(len(table))
+        matrix = np.concatenate([linear, np.zeros((1, r)), _rest(table, linear)])
+        self._coordinates = extended[:r]
+        self._stiffness = matrix[:r]
         self._force = np.empty(r)
+        self._calls: tuple[tuple[Callable[..., object], tuple[object, ...]], ...] = (
+            (extended.take, (first, None, left, "clip")),  # other modes gather to a copy of ``out``
+            (extended.take, (second, None, right, "clip")),
+            (np.multiply, (left, right, products)),
+            (table.dot, (products[r:], packed)),
+            (packed.take, (pair_places(r), None, self._stiffness, "clip")),
+            (products.dot, (matrix, self._force)),
+        )
 
     def force(self, q: Array) -> Array:
         """Return f (r,) at ``q`` (r,), overwritten by the next call."""
@@ -69,13 +62,10 @@ class CubicEvaluator:
 
     def force_and_stiffness(self, q: Array) -> tuple[Array, Array]:
         """Return f (r,) and K (r, r), overwritten by the next call."""
-        np.copyto(self._coordinates, q)
-        self._extended.take(self._first, None, self._left, "clip")
-        self._extended.take(self._second, None, self._right, "clip")
-        np.multiply(self._left, self._right, self._products)
-        np.dot(self._table, self._terms, self._packed)
-        self._packed.take(self._places, None, self._stiffness, "clip")
-        return np.dot(self._products, self._matrix, self._force), self._stiffness
+        self._coordinates[:] = q
+        for call, arguments in self._calls:
+            call(*arguments)
+        return self._force, self._stiffness
 
 
 class CubicBatchEvaluator:

@@ -1,4 +1,4 @@
-"""What a reduced force law offers to models and integrators."""
+"""What a reduced force law offers to models, integrators and model files."""
 
 from collections.abc import Mapping
 from typing import Any, ClassVar, Protocol, Self
@@ -28,17 +28,14 @@ class Evaluator(Protocol):
 
 
 class ForceLaw(Protocol):
-    """Internal force f(q) = dW/dq of r reduced coordinates, and how it is stored.
+    """Internal force f(q) = dW/dq of r reduced coordinates.
 
     With mass-normalised shapes q is in kg^1/2 m, f in kg^1/2 m s^-2 and K in s^-2; with shapes
     without a unit they are in m, N and N/m.
     """
 
     kind: ClassVar[str]
-    """Name of the law in a model file."""
-
-    ARRAYS: ClassVar[Mapping[str, ArraySpec]]
-    """Name -> demand of what `arrays` returns; empty for a law that cannot be stored."""
+    """Name of the law, the same in a model file."""
 
     @property
     def size(self) -> int:
@@ -61,12 +58,15 @@ class ForceLaw(Protocol):
         """Return the law with buffers for coordinates of ``shape``, (r,) or (b, r)."""
         ...
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays that a model file holds of this law.
 
-        Raises:
-            DefoError: the law cannot be stored.
-        """
+class StoredLaw(ForceLaw, Protocol):
+    """A force law that a model file can hold."""
+
+    ARRAYS: ClassVar[Mapping[str, ArraySpec]]
+    """Name -> demand of what `arrays` returns."""
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the arrays that a model file holds of this law."""
         ...
 
     @classmethod

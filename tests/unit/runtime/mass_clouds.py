@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.runtime.floating import FloatingFrame
 from fenics_defo.runtime.floating.frame import PAIRS
-from fenics_defo.runtime.forces import LinearForce
+from fenics_defo.runtime.forces import ForceLaw, LinearForce
 
 type Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ class Cloud:
     masses: Array
     points: Array
     shapes: Array
-    law: LinearForce
+    law: ForceLaw
     damping: tuple[float, float] = (0.0, 0.0)
 
     @property

@@ -1,6 +1,7 @@
 """A floating body's step: what it keeps, its order, its loads, batches, and what it refuses."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,8 @@ import pytest
 from mass_clouds import Array, Cloud, cloud
 
 from fenics_defo.errors import DefoError, DivergenceError, LoadError, SolverError, StepSizeError
-from fenics_defo.runtime.floating import FloatingBody, rotations
+from fenics_defo.runtime import CubicForce, FloatingBody, Outputs, ReducedModel, load
+from fenics_defo.runtime.floating import rotations
 
 SPIN = np.array([0.3, 2.0, 0.4])
 VELOCITY = np.array([0.5, -0.2, 1.0])
@@ -228,6 +230,28 @@ def test_start_as_given() -> None:
     assert resting.world_displacement() == pytest.approx(0.0, abs=1e-15)
     run(resting, 3)
     assert resting.world_displacement() == pytest.approx(0.0, abs=1e-15)
+
+
+def test_a_model_from_a_file_flies(tmp_path: Path) -> None:
+    """With a cubic force, and with the damping that the model brings."""
+    body, rng = cloud(3), np.random.default_rng(2)
+    law = CubicForce.from_unique(5.0 * np.eye(3), rng.normal(size=10), rng.normal(size=15))
+    outputs = Outputs(nodes=body.nodes, points=body.points, shapes=body.shapes)
+    model = ReducedModel(
+        law=law, mass=np.eye(3), outputs=outputs, frame=body.frame, damping=(0.1, 0.0)
+    )
+    model.save(tmp_path / "model.npz")
+    again = load(tmp_path / "model.npz")
+    first, second = (
+        run(FloatingBody(each, step=0.02, angular_velocity=SPIN, v=np.ones(3)), 50)
+        for each in (model, again)
+    )
+    assert np.array_equal(first.world_points(), second.world_points())
+    free = replace(body, law=law)
+    undamped = run(FloatingBody(free, step=0.02, angular_velocity=SPIN, v=np.ones(3)), 50)
+    assert undamped.energies.kinetic + undamped.energies.strain > (
+        first.energies.kinetic + first.energies.strain
+    )
 
 
 @dataclass(frozen=True)
