@@ -12,9 +12,7 @@ from fenics_defo.cli.simulate_options import add_simulate
 
 def build_parser() -> Parser:
     """Return the parser of the command line."""
-    parser = Parser(
-        prog="fenics-defo", description="Deformable solids: simulation, models, files."
-    )
+    parser = Parser(prog="fenics-defo", description="Deformable solids: simulation, models, files.")
     parser.add_argument("--version", action="version", version=f"fenics_defo {__version__}")
     commands = parser.add_subparsers(
         title="commands", dest="command", metavar="COMMAND", required=True, parser_class=Parser

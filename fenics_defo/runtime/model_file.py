@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.errors import DefoError, FileFormatError
 from fenics_defo.runtime.archive import ArraySpec, read_archive, write_archive
-from fenics_defo.runtime.floating.frame import FloatingFrame
+from fenics_defo.runtime.floating.frame import FRAME_ARRAYS, FRAME_UNITS, FloatingFrame
 from fenics_defo.runtime.forces import CubicForce, LinearForce, StoredLaw, TaylorForce
 from fenics_defo.runtime.metadata import json_text, parse_mapping
 from fenics_defo.runtime.outputs import Outputs, Probe
@@ -99,7 +99,7 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
     }
     arrays |= {f"force_{name}": array for name, array in law.arrays().items()}
     arrays |= {} if frame is None else frame.arrays()
-    units = {name: unit for name, unit in (_UNITS | FloatingFrame.UNITS).items() if name in arrays}
+    units = {name: unit for name, unit in (_UNITS | FRAME_UNITS).items() if name in arrays}
     write_archive(path, arrays, kind=KIND, version=VERSION, units=units)
 
 
@@ -119,7 +119,7 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
             f"{_HELD!r} and {_FLOATING!r}; update it, or write the file again."
         )
     required = _ARRAYS | {f"force_{name}": spec for name, spec in law.ARRAYS.items()}
-    required |= FloatingFrame.ARRAYS if frame == _FLOATING else {}
+    required |= FRAME_ARRAYS if frame == _FLOATING else {}
     arrays = read_archive(path, kind=KIND, version=VERSION, required=required)
     try:
         return _fields(arrays, law, floats=frame == _FLOATING)
