@@ -82,7 +82,7 @@ def reduce_scene(
             model = reduce(
                 solid,
                 basis,
-                settled.force,
+                settled.force,  # type: ignore[arg-type]  # the recipe has checked it
                 outputs=scene.require.outputs,
                 loads=unit_loads(scene, solid),
                 probes={probe.name: probe.point for probe in scene.probes},
