@@ -58,7 +58,7 @@ def play(
         reduced = load(file)
     with watcher.phases("start"):
         _check_scene(reduced, file, scene)
-        motion = ReducedMotion(reduced, file, scene)
+        motion = ReducedMotion(reduced, file, scene, watcher.phases)
         body = _body(reduced, file)
         make_folder(folder)
         if not overwrite:

@@ -1,12 +1,14 @@
 """A model moved through a scene, as the loop over the steps of a run sees it; NumPy only."""
 
 import math
+import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.states import Energies, State, StepReport
 from fenics_defo.errors import DefoError, StepSizeError
 from fenics_defo.runtime import ReducedModel
@@ -32,14 +34,15 @@ class ReducedMotion:
         model: model.
         file: its name, for messages.
         scene: scene.
+        phases: stopwatch of "step", the steps without the writing.
 
     Raises:
         SceneError: the model does not carry a load or the start of the scene.
         StepSizeError: the step is beyond what an explicit integrator stands.
     """
 
-    def __init__(self, model: ReducedModel, file: Path, scene: Scene) -> None:
-        self._model, self._scene = model, scene
+    def __init__(self, model: ReducedModel, file: Path, scene: Scene, phases: Phases) -> None:
+        self._model, self._scene, self._phases = model, scene, phases
         self._loads = ReducedLoads(model, file, scene)
         q, v = initial_coordinates(model, file, scene)
         self._last: tuple[Array, Array] | None = None
@@ -97,7 +100,7 @@ class ReducedMotion:
         Raises:
             DivergenceError: it failed; the last good state stands.
         """
-        body, iterations, halvings = self._body, 0, 0
+        body, begin = self._body, time.perf_counter()
         if isinstance(body, ReducedStatics):
             body.advance()
             iterations, halvings = body.iterations, body.halvings
@@ -107,7 +110,8 @@ class ReducedMotion:
             before = body.q if body.load_at_start else None
             body.advance(load)
             self._last = None if before is None else (body.q - before, load)
-            iterations = self._scene.time.newton or 0
+            iterations, halvings = self._scene.time.newton or 0, 0
+        self._phases.add("step", time.perf_counter() - begin)
         return StepReport(body.time, body.steps, iterations, iterations, halvings, ())
 
     def _work_ahead(self) -> float:
@@ -123,36 +127,37 @@ class ReducedMotion:
     def _strike(self, body: Stepper) -> None:
         """The impulses of a step act at its start."""
         start, tiny = body.time, 1e-9 * body.step
-        for time, momentum in self._loads.impulses:
-            if start - tiny <= time < start + body.step - tiny:
+        for moment, momentum in self._loads.impulses:
+            if start - tiny <= moment < start + body.step - tiny:
                 body.kick(momentum, load=self._loads.force(start))
 
 
 def _stepper(model: ReducedModel, scene: Scene, q: Array, v: Array, load: Array) -> Stepper:
     """The scene's integrator on a model."""
-    time = scene.time
+    given = scene.time
     common: dict[str, Any] = {
-        "step": time.step,
+        "step": given.step,
         "damping": (scene.damping.mass, scene.damping.stiffness),
         "q": q,
         "v": v,
         "load": load,
         "energies": True,
     }
-    tolerance, iterations = newton_limits(time)
+    tolerance, iterations = newton_limits(given)
     newton: dict[str, Any] = {
-        "newton": time.newton,
+        "newton": given.newton,
         "newton_tolerance": tolerance,
         "newton_iterations": iterations,
     }
     try:
-        match time.integrator:
+        match given.integrator:
             case "implicit-newmark":
-                return ImplicitNewmark(model, **common, **newton, beta=time.beta, gamma=time.gamma)
+                rates = {"beta": given.beta, "gamma": given.gamma}
+                return ImplicitNewmark(model, **common, **newton, **rates)
             case "backward-euler":
                 return BackwardEuler(model, **common, **newton)
             case "central-differences":
-                return CentralDifferences(model, **common, allow_unstable=time.allow_unstable)
-        return SymplecticEuler(model, **common, allow_unstable=time.allow_unstable)
+                return CentralDifferences(model, **common, allow_unstable=given.allow_unstable)
+        return SymplecticEuler(model, **common, allow_unstable=given.allow_unstable)
     except (StepSizeError, DefoError) as error:
         raise type(error)(f"{scene.path}: [time]: {error}") from error
