@@ -3,6 +3,7 @@
 from fenics_defo.runtime.integrators.backward_euler import BackwardEuler
 from fenics_defo.runtime.integrators.central_differences import CentralDifferences
 from fenics_defo.runtime.integrators.energies import Energies
+from fenics_defo.runtime.integrators.modal_filter import ModalFilter
 from fenics_defo.runtime.integrators.newmark import ImplicitNewmark
 from fenics_defo.runtime.integrators.stepper import Stepper
 from fenics_defo.runtime.integrators.symplectic_euler import SymplecticEuler
@@ -12,6 +13,7 @@ __all__ = [
     "CentralDifferences",
     "Energies",
     "ImplicitNewmark",
+    "ModalFilter",
     "Stepper",
     "SymplecticEuler",
 ]

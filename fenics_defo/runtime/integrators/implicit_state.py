@@ -44,7 +44,8 @@ class ImplicitState:
         self._start = transitions.start
         #: Number of the buffer that holds the last good state.
         self.at = 0
-        #: For each buffer to start from: the iterations, and the buffer where they end.
+        #: For each buffer to start from: the iterations, the last x in one row, and the buffer
+        #: where they end.
         self.paths = tuple(self._path(at, transitions, iterations) for at in range(3))
 
     @property
@@ -62,6 +63,11 @@ class ImplicitState:
         """Accelerations."""
         return np.asarray(self._buffers[self.at, 3])
 
+    @property
+    def trial(self) -> Array:
+        """What the last iteration of a failed step solved for."""
+        return self.paths[self.at][0][-1].x
+
     def place(self, q: Array, v: Array, a: Array) -> None:
         """Begin at a state."""
         rows = self._buffers[self.at]
@@ -71,7 +77,7 @@ class ImplicitState:
 
     def _path(
         self, at: int, transitions: Transitions, iterations: int
-    ) -> tuple[tuple[Iteration, ...], int]:
+    ) -> tuple[tuple[Iteration, ...], Array, int]:
         """Iterations from a buffer over the two others, one after the other."""
         path, here = [], at
         for number in range(iterations):
@@ -89,4 +95,4 @@ class ImplicitState:
                 )
             )
             here = there
-        return tuple(path), here
+        return tuple(path), path[-1].x.reshape(-1), here

@@ -39,7 +39,6 @@ class LinearStep:
         self._stiffness_times = product(stiffness, shape)
         self._solve = product(np.linalg.inv(matrix), shape)
         self._right_side, self._term = np.empty(shape), np.empty(shape)
-        self._trial = np.zeros(shape)
 
     @property
     def q(self) -> Array:
@@ -62,13 +61,13 @@ class LinearStep:
         self.here.forget()
 
     def trial(self) -> Array:
-        """What the last step solved for."""
-        return self._trial
+        """What a failed step solved for."""
+        return self._state.trial
 
     def advance(self, load: Array) -> float:
         """Do one step; a number that is not finite tells that it failed and nothing changed."""
         state, right_side, term = self._state, self._right_side, self._term
-        ((q, y, x, before, after, transition),), end = state.paths[state.at]
+        ((q, y, x, before, after, transition),), flat, end = state.paths[state.at]
         self._stiffness_times(q, term)
         np.subtract(load, term, right_side)
         if self._mass_times is not None:
@@ -77,8 +76,6 @@ class LinearStep:
         np.subtract(right_side, y, right_side)
         self._solve(right_side, x)
         np.dot(transition, before, after)
-        self._trial = x
-        flat = x.ravel()  # a view
         size: float = flat.dot(flat)
         if size < np.inf:
             state.at = end

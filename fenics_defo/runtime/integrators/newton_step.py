@@ -39,7 +39,6 @@ class NewtonStep:
         self._mass = transitions.mass_scale * inertia.matrix
         self._matrix = np.empty((*shape, shape[-1]))
         self._right_side, self._inertia = np.empty(shape), np.empty(shape)
-        self._flat = self._trial = np.zeros(shape)
         # The functions of a step, bound once: looking them up would cost as much as one of them.
         self._step = (self.here.evaluate, np.subtract, np.add, np.dot, solve)
 
@@ -64,15 +63,15 @@ class NewtonStep:
         self.here.forget()
 
     def trial(self) -> Array:
-        """What the last step solved for."""
-        return self._trial
+        """What a failed step solved for."""
+        return self._state.trial
 
     def advance(self, load: Array) -> float:
         """Do one step; a number that is not finite tells that it failed and nothing changed."""
         evaluate, subtract, add, dot, solve = self._step
         state, times = self._state, self._mass_times
         right_side, matrix, mass = self._right_side, self._matrix, self._mass
-        known, (path, end) = self.here.both, state.paths[state.at]
+        known, (path, flat, end) = self.here.both, state.paths[state.at]
         self.here.both = None
         for q, y, x, before, after, transition in path:
             force, stiffness = known or evaluate(q)
@@ -85,9 +84,7 @@ class NewtonStep:
             add(stiffness, mass, matrix)
             solve(matrix, right_side, x)
             dot(transition, before, after)
-        self._trial = x
-        x = x.ravel()  # a view
-        size: float = x.dot(x)
+        size: float = flat.dot(flat)
         if size < np.inf:
             state.at = end
             self.here.force = None
