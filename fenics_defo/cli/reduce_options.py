@@ -15,8 +15,8 @@ the mesh, materials and constraints that it stands for."""
 REDUCE_DETAILS = """\
 Bases
   modal-derivatives  vibration modes and how they change as the body bends: for
-                     laws that are not linear (default there: 8 modes, from them
-                     and their 36 derivatives the r = 20 fields that matter most)
+                     laws that are not linear (default there: 8 modes; of them
+                     and their 36 derivatives the r = 20 fields that tell most)
   linear             vibration modes (default for linear laws: 20 of them)
   snapshots=DIR      what `fenics-defo simulate` has written into DIR of the
                      same mesh (default: r = 20)
@@ -77,14 +77,15 @@ def add_reduce(commands: Any) -> None:
     parser.add_argument(
         "--modes", type=positive_count, metavar="K", help="vibration modes to make the basis from"
     )
-    how_many = parser.add_mutually_exclusive_group()
-    how_many.add_argument("--size", type=positive_count, metavar="R", help="fields to keep")
-    how_many.add_argument(
+    parser.add_argument(
+        "--size", type=positive_count, metavar="R", help="fields to keep; with --share, at most"
+    )
+    parser.add_argument(
         "--share",
         type=number,
         metavar="S",
-        help="instead: keep so many fields that this share of the squares of all singular values "
-        "is kept, such as 0.9999",
+        help="keep as many fields as hold this share of the squares of all singular values, such "
+        "as 0.9999",
     )
     parser.add_argument(
         "--force",

@@ -12,6 +12,7 @@ from fenics_defo.scene.carried import check_same_body
 from fenics_defo.scene.folder import CHECKPOINT, make_folder
 from fenics_defo.scene.parsing import parse_scene
 from fenics_defo.scene.records import Scene
+from fenics_defo.scene.reduced_flight import ReducedFlight
 from fenics_defo.scene.reduced_motion import ReducedMotion
 from fenics_defo.scene.run import Run
 from fenics_defo.scene.together import Alone
@@ -58,7 +59,8 @@ def play(
         reduced = load(file)
     with watcher.phases("start"):
         _check_scene(reduced, file, scene)
-        motion = ReducedMotion(reduced, file, scene, watcher.phases)
+        move = ReducedMotion if reduced.frame is None else ReducedFlight
+        motion = move(reduced, file, scene, watcher.phases)
         body = _body(reduced, file)
         make_folder(folder)
         if not overwrite:

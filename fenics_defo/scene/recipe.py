@@ -23,8 +23,9 @@ class Recipe:
         basis: one of `BASES`; modal derivatives for laws that are not linear, else modes.
         snapshots: folder of the results of `simulate` that the basis "snapshots" is made from.
         modes: number of elastic vibration modes that the basis is made from.
-        size: number of fields r to keep.
-        share: instead of ``size``, share of the squares of all singular values to keep [-].
+        size: number of fields r to keep; with ``share``, the most of them; of linear modes all, of
+            others 20 if neither is given.
+        share: share of the squares of all singular values to keep [-].
         force: one of `FORCES`; "linear" or "cubic" if the law is linear or St. Venant-Kirchhoff's.
 
     Raises:
@@ -50,8 +51,6 @@ class Recipe:
             )
         if self.snapshots is not None and self.modes is not None:
             raise SceneError("modes have no part in a basis of snapshots; leave --modes out")
-        if self.size is not None and self.share is not None:
-            raise SceneError("size and share exclude each other; give one of them")
         if self.share is not None and not 0.0 < self.share <= 1.0:
             raise SceneError(f"share must be above 0 and at most 1, got {self.share!r}")
 
@@ -70,17 +69,12 @@ class Recipe:
         modes = self.modes
         if modes is None and basis != "snapshots":
             modes = DERIVED_MODES if basis == "modal-derivatives" else self.size or LINEAR_MODES
-        size = self.size
-        if size is None and self.share is None:
-            size = _default_size(basis, modes)
+        size, share = self.size, self.share
+        if size is None and share is None and basis != "linear":
+            # All that is not round-off, but no more than that.
+            size, share = SIZE, 1.0
         force = self.force or _force(scene, solid)
-        return replace(self, basis=basis, modes=modes, size=size, force=force)
-
-
-def _default_size(basis: str, modes: int | None) -> int:
-    if modes is None:
-        return SIZE
-    return modes if basis == "linear" else min(SIZE, modes + modes * (modes + 1) // 2)
+        return replace(self, basis=basis, modes=modes, size=size, share=share, force=force)
 
 
 def _force(scene: Scene, solid: Solid) -> str:

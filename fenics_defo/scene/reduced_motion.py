@@ -144,6 +144,7 @@ def _stepper(model: ReducedModel, scene: Scene, q: Array, v: Array, load: Array)
         "energies": True,
     }
     tolerance, iterations = newton_limits(given)
+    rates: dict[str, Any] = {"beta": given.beta, "gamma": given.gamma}
     newton: dict[str, Any] = {
         "newton": given.newton,
         "newton_tolerance": tolerance,
@@ -152,7 +153,6 @@ def _stepper(model: ReducedModel, scene: Scene, q: Array, v: Array, load: Array)
     try:
         match given.integrator:
             case "implicit-newmark":
-                rates = {"beta": given.beta, "gamma": given.gamma}
                 return ImplicitNewmark(model, **common, **newton, **rates)
             case "backward-euler":
                 return BackwardEuler(model, **common, **newton)

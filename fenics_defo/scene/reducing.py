@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.analysis import linear_modes
+from fenics_defo.analysis.free_motions import free_motions
 from fenics_defo.errors import SceneError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.projection import Projection
@@ -34,6 +35,9 @@ from fenics_defo.scene.unit_loads import initial_fields, unit_loads
 from fenics_defo.scene.watching import Watcher
 
 Array = NDArray[np.float64]
+
+# Displacement in the first mode, as a part of the body's size, at which the basis is made.
+_BENT = 0.3
 
 
 def reduce_scene(
@@ -73,11 +77,14 @@ def reduce_scene(
     with phases("build"):
         solid = build_solid(scene)
         on_first_rank(solid.comm, lambda: with_our_errors(lambda: check_writable(output)))
+        _check_held_or_free(scene, solid)
         settled = (recipe or Recipe()).settled(scene, solid)
     with phases("basis"):
         basis = _basis(solid, settled)
     with phases("force"):
-        mass: MassKind = "lumped" if scene.time.integrator in EXPLICIT else "consistent"
+        # A body in flight moves by an implicit method in any case.
+        is_lumped = scene.time.integrator in EXPLICIT and solid.held.any()
+        mass: MassKind = "lumped" if is_lumped else "consistent"
         with told(scene, "[[load]], [require] and [[probe]]"):
             model = reduce(
                 solid,
@@ -109,6 +116,16 @@ def _check_held_still(scene: Scene) -> None:
             )
 
 
+def _check_held_or_free(scene: Scene, solid: Solid) -> None:
+    motions = len(free_motions(solid))
+    if motions and solid.held.any():
+        raise SceneError(
+            f"{scene.path}: [[fixed]]: {motions} rigid motions of the body or of its parts are not "
+            "held, though others are: a model knows bodies that are held or that fly; hold more, "
+            "or leave [[fixed]] out"
+        )
+
+
 def _basis(solid: Solid, recipe: Recipe) -> Basis:
     if recipe.basis == "snapshots":
         assert recipe.snapshots is not None  # the recipe has seen to it
@@ -118,7 +135,12 @@ def _basis(solid: Solid, recipe: Recipe) -> Basis:
     modes = linear_modes(solid, recipe.modes, keep_rigid=False, verify=False)
     if recipe.basis == "linear":
         return linear_basis(solid, modes, recipe.size)
-    return modal_derivative_basis(solid, modes, recipe.size, share=recipe.share)
+    # Modes and derivatives weigh as they do where the first mode bends the body well.
+    farthest = float(np.linalg.norm(modes.shapes[0], axis=1).max())
+    amplitude = _BENT * float(np.ptp(solid.points, axis=0).max()) / farthest
+    return modal_derivative_basis(
+        solid, modes, recipe.size, share=recipe.share, amplitude=amplitude
+    )
 
 
 def _momenta(scene: Scene, solid: Solid, basis: Basis, kind: MassKind) -> Mapping[str, Array]:
