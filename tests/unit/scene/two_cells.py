@@ -38,6 +38,8 @@ stiffness = 2e-4
 integrator = "implicit-newmark"
 step = 1e-3
 duration = 0.04
+[output]
+every = 1000
 [[probe]]
 name = "tip"
 point = [0.2, 0.15, 1]
