@@ -63,7 +63,8 @@ def write_archive(
         units: name -> SI unit of the arrays that have one.
 
     Raises:
-        ValueError: an array of objects or other types that are not plain numbers or text.
+        ValueError: an array of objects or other types that are not plain numbers or text, or text
+            with half a surrogate pair.
         DefoError: the file cannot be written.
     """
     header = {"format": FORMAT, "kind": kind, "version": version, "units": dict(units)}
@@ -83,7 +84,10 @@ def _plain(name: str, array: NDArray[Any]) -> NDArray[Any]:
     array = np.asarray(array)
     if name == "header" or array.dtype.kind not in "biufU":
         raise ValueError(f"array {name!r} of type {array.dtype} cannot be stored")
-    return np.asarray(array, dtype=array.dtype.newbyteorder("<"), order="C")
+    plain: NDArray[Any] = np.asarray(array, dtype=array.dtype.newbyteorder("<"), order="C")
+    if plain.dtype.kind == "U":
+        _check_letters(name, np.frombuffer(plain.tobytes(), dtype="<u4"))
+    return plain
 
 
 def read_archive(
@@ -231,5 +235,13 @@ def _parse_npy(data: bytes, name: str) -> NDArray[Any]:
     shape = tuple(int(extent) for extent in match["shape"].split(",") if extent.strip())
     if dtype.itemsize == 0 or math.prod(shape) * dtype.itemsize != len(data) - begin:
         raise ValueError(f"{name!r} has {len(data) - begin} bytes, not those of its shape {shape}")
+    if dtype.kind == "U":
+        _check_letters(name, np.frombuffer(data, dtype=f"{match['descr'][0]}u4", offset=begin))
     order: Literal["C", "F"] = "F" if match["fortran"] == "True" else "C"
     return np.ndarray(shape, dtype, buffer=data, offset=begin, order=order)
+
+
+def _check_letters(name: str, codes: NDArray[np.uint32]) -> None:
+    """Refuse numbers that are no letters: Python's own text functions fail on them in odd ways."""
+    if not ((codes < 0xD800) | ((codes > 0xDFFF) & (codes <= 0x10FFFF))).all():
+        raise ValueError(f"{name!r} holds letters that do not exist")

@@ -27,7 +27,7 @@ _NO_OUTPUTS = Outputs(
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ReducedModel:
     """Motion u = U q of a body by r coordinates: M q'' + C q' + f(q) = load.
 
@@ -98,6 +98,13 @@ class ReducedModel:
         for name, size in parts.items():
             if size != r:
                 raise ValueError(f"{name} has {size} coordinates, the force law has {r}")
+
+    def __repr__(self) -> str:
+        flies = "" if self.frame is None else ", flies"
+        return (
+            f"ReducedModel({self.law.kind} force of {self.size} coordinates, "
+            f"{self.nodes.size} nodes, probes {list(self.probes)}, loads {list(self.loads)}{flies})"
+        )
 
     @property
     def size(self) -> int:

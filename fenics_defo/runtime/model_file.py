@@ -18,6 +18,8 @@ from fenics_defo.runtime.forces import CubicForce, LinearForce, StoredLaw, Taylo
 from fenics_defo.runtime.metadata import json_text, parse_mapping
 from fenics_defo.runtime.outputs import Outputs, Probe
 
+Array = NDArray[np.float64]
+
 KIND = "reduced model"
 VERSION = 1
 
@@ -36,6 +38,7 @@ _UNITS = {
     "loads": "J per unit of q",
     "probe_points": "m",
     "probe_shapes": "m per unit of q",
+    "force_stiffness": "J per unit of q squared",
     "force_linear": "J per unit of q squared",
     "force_quadratic": "J per unit of q cubed",
     "force_cubic": "J per unit of q to the fourth",
@@ -76,7 +79,6 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
             f"{path}: a force law of the kind {law.kind!r} cannot be stored; the kinds that can "
             f"are {', '.join(FORCE_LAWS)}."
         )
-    probes, loads, r = fields["probes"], fields["loads"], law.size
     arrays: dict[str, NDArray[Any]] = {
         "format_version": np.array(VERSION),
         "force": np.array(law.kind),
@@ -89,11 +91,7 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
         "cells": outputs.cells,
         "cell_type": np.array(outputs.cell_type),
         "gravity": fields["gravity_rows"],
-        "load_names": np.array(list(loads), dtype=np.str_),
-        "loads": np.array(list(loads.values())).reshape(-1, r),
-        "probe_names": np.array(list(probes), dtype=np.str_),
-        "probe_points": np.array([probe.point for probe in probes.values()]).reshape(-1, 3),
-        "probe_shapes": np.array([probe.shapes for probe in probes.values()]).reshape(-1, 3, r),
+        **_arrays_by_name(fields["loads"], fields["probes"], law.size),
         "provenance": np.array(json_text(fields["provenance"])),
         "certificate": np.array(json_text(fields["certificate"])),
     }
@@ -101,6 +99,18 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
     arrays |= {} if frame is None else frame.arrays()
     units = {name: unit for name, unit in (_UNITS | FRAME_UNITS).items() if name in arrays}
     write_archive(path, arrays, kind=KIND, version=VERSION, units=units)
+
+
+def _arrays_by_name(
+    loads: Mapping[str, Array], probes: Mapping[str, Probe], r: int
+) -> dict[str, NDArray[Any]]:
+    return {
+        "load_names": np.array(list(loads), dtype=np.str_),
+        "loads": np.array(list(loads.values())).reshape(-1, r),
+        "probe_names": np.array(list(probes), dtype=np.str_),
+        "probe_points": np.array([probe.point for probe in probes.values()]).reshape(-1, 3),
+        "probe_shapes": np.array([probe.shapes for probe in probes.values()]).reshape(-1, 3, r),
+    }
 
 
 def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:

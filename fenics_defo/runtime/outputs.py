@@ -72,7 +72,7 @@ class Outputs:
         rows = self.shapes.reshape(-1, self.size)
         # A vector is faster as a vector than as a matrix of one row.
         found = np.dot(rows, q) if q.ndim == 1 else np.dot(q.reshape(-1, self.size), rows.T)
-        return np.asarray(found.reshape(*q.shape[:-1], -1, 3))
+        return np.asarray(found.reshape(*q.shape[:-1], *self.points.shape))
 
     def row(self, node: int) -> int:
         """Return the row of a node of the body.

@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike, NDArray
 from fenics_defo.runtime.archive import ArraySpec
 from fenics_defo.runtime.forces.coordinates import by_batches, checked
 from fenics_defo.runtime.forces.cubic_evaluators import CubicBatchEvaluator, CubicEvaluator
+from fenics_defo.runtime.forces.cubic_table import CubicTable
 from fenics_defo.runtime.forces.symmetric import (
     diagonal_weights,
-    fill_fourth_matrix,
-    pairs,
-    third_matrix,
+    read_fourth,
+    read_third,
     unique_count,
     unique_fourth,
     unique_third,
@@ -63,8 +63,7 @@ class CubicForce:
     linear: Array
     quadratic: Array
     cubic: Array
-    _table: Array = field(init=False, repr=False)
-    """[K over pairs, quadratic, cubic] (s, 1 + r + s): one product with [1, q, m] gives K(q)."""
+    _table: CubicTable = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         linear = symmetric_array("linear", self.linear)
@@ -96,19 +95,11 @@ class CubicForce:
         return law
 
     def _lay_out(self, linear: Array, third: Array, fourth: Array) -> None:
-        """Fill the table; the public arrays are views of it."""
-        r = len(linear)
-        s = unique_count(r, 2)
-        table = np.empty((s, 1 + r + s))
-        table[:, 0] = linear[pairs(r)]
-        table[:, 1 : 1 + r] = third_matrix(_without_tiny(third), r)
-        fill_fourth_matrix(table[:, 1 + r :], _without_tiny(fourth), r)
-        table[:, 1 + r :] *= diagonal_weights(r)
-        table.flags.writeable = False
-        object.__setattr__(self, "_table", table)
-        object.__setattr__(self, "linear", linear)
-        object.__setattr__(self, "quadratic", table[:, 1 : 1 + r])
-        object.__setattr__(self, "cubic", table[:, 1 + r :])
+        """Keep one table; the public arrays are views of it."""
+        table = CubicTable.from_unique(linear, third, fourth)
+        parts = {"linear": linear, "quadratic": table.quadratic, "cubic": table.cubic}
+        for name, value in (parts | {"_table": table}).items():
+            object.__setattr__(self, name, value)
 
     @property
     def size(self) -> int:
@@ -119,18 +110,15 @@ class CubicForce:
         """Return f (..., r) at ``q`` (..., r)."""
         q = checked(q, self.size)
         if q.ndim == 1:
-            return self.evaluator(q.shape).force(q)
-        return by_batches(q, (self.size,), self._most, lambda b: self.evaluator(b.shape).force(b))
+            return self._table.force_and_stiffness(q)[0]
+        return by_batches(q, (self.size,), self._most, lambda b: self._both(b)[0])
 
     def stiffness(self, q: Array) -> Array:
         """Return K = df/dq (..., r, r), exactly symmetric, at ``q`` (..., r)."""
         q = checked(q, self.size)
         if q.ndim == 1:
-            return self.evaluator(q.shape).force_and_stiffness(q)[1].copy()
-        tail = (self.size, self.size)
-        return by_batches(
-            q, tail, self._most, lambda b: self.evaluator(b.shape).force_and_stiffness(b)[1]
-        )
+            return self._table.force_and_stiffness(q)[1]
+        return by_batches(q, (self.size, self.size), self._most, lambda b: self._both(b)[1])
 
     def energy(self, q: Array) -> Array:
         """Return W (...) [J] at ``q`` (..., r).
@@ -139,32 +127,34 @@ class CubicForce:
         """
         q = checked(q, self.size)
         if q.ndim == 1:
-            return self._energies(q)
-        return by_batches(q, (), self._most, self._energies)
+            return self._energy(q, *self._table.force_and_stiffness(q))
+        return by_batches(q, (), self._most, lambda b: self._energy(b, *self._both(b)))
 
-    def _energies(self, q: Array) -> Array:
-        f, k = self.evaluator(q.shape).force_and_stiffness(q)
-        curved = np.matmul(k - self.linear, q[..., None])[..., 0]
-        return 0.5 * np.vecdot(q, f) - np.vecdot(q, curved) / 12.0
+    def _energy(self, q: Array, f: Array, k: Array) -> Array:
+        bent = np.matmul(k - self.linear, q[..., None])[..., 0]
+        return 0.5 * np.vecdot(q, f) - np.vecdot(q, bent) / 12.0
+
+    def _both(self, q: Array) -> tuple[Array, Array]:
+        """Return f (b, r) and K (b, r, r) of one batch."""
+        return CubicBatchEvaluator(self._table, len(q)).force_and_stiffness(q)
 
     @property
     def _most(self) -> int:
         """Bodies of one batch."""
-        return max(1, _BUFFER // len(self._table))
+        return max(1, _BUFFER // self._table.first.size)
 
     def evaluator(self, shape: tuple[int, ...]) -> CubicEvaluator | CubicBatchEvaluator:
         """Return the law with buffers for coordinates of ``shape``, (r,) or (b, r)."""
         if len(shape) == 1:
-            return CubicEvaluator(self._table, self.linear)
-        return CubicBatchEvaluator(self._table, self.linear, shape[0])
+            return CubicEvaluator(self._table)
+        return CubicBatchEvaluator(self._table, shape[0])
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays that a model file holds: K and the unique coefficients."""
-        cubic = self.cubic / diagonal_weights(self.size)
         return {
             "linear": self.linear,
-            "quadratic": unique_third(self.quadratic),
-            "cubic": unique_fourth(cubic),
+            "quadratic": read_third(self.quadratic),
+            "cubic": read_fourth(self.cubic / diagonal_weights(self.size)),
         }
 
     @classmethod
@@ -175,11 +165,6 @@ class CubicForce:
             ValueError: they do not fit together.
         """
         return cls.from_unique(arrays["linear"], arrays["quadratic"], arrays["cubic"])
-
-
-def _without_tiny(coefficients: Array) -> Array:
-    """Return them with 0 for what is too small to be halved and doubled again exactly."""
-    return np.where(np.abs(coefficients) < 4.0 * np.finfo(float).tiny, 0.0, coefficients)
 
 
 class TaylorForce(CubicForce):

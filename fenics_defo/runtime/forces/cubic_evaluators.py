@@ -1,25 +1,13 @@
-"""Evaluation of a cubic force: one product with the table gives the tangent.
-
-From K(q) = K + k2 + k3 follows f = (K + k2/2 + k3/3) q = (K(q) q + 2 K q + k2 q / 2) / 3, and
-k2 q / 2 is a product of the quadratic coefficients with the same products m = q_k q_l. No matrix
-but K(q) need be unpacked from pairs, and the table is read once, which is what takes the time.
-"""
+"""Evaluation of a cubic force with buffers of its own, for the loop over steps."""
 
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.runtime.forces.symmetric import diagonal_weights, pair_places, pairs
+from fenics_defo.runtime.forces.cubic_table import CubicTable
 
 Array = NDArray[np.float64]
-
-
-def _rest(table: Array, linear: Array) -> Array:
-    """Return the matrix (r + s, r) that takes [q, m] to (2 K q + k2 q / 2) / 3."""
-    r = len(linear)
-    halved = table[:, 1 : 1 + r] * diagonal_weights(r)[:, None]
-    return np.concatenate([linear * (2.0 / 3.0), halved / 3.0])
 
 
 class CubicEvaluator:
@@ -33,17 +21,16 @@ class CubicEvaluator:
 
     __slots__ = ("_calls", "_coordinates", "_force", "_stiffness")
 
-    def __init__(self, table: Array, linear: Array) -> None:
-        r = len(linear)
-        i, j = pairs(r)
+    def __init__(self, table: CubicTable) -> None:
+        r = table.size
         every, one, third = np.arange(r), np.array([r]), np.array([r + 1])
-        first = np.concatenate([every, one, every, i])
-        second = np.concatenate([np.repeat(third, r), np.repeat(one, 1 + r), j])
+        first = np.concatenate([every, one, every, table.first])
+        second = np.concatenate([np.repeat(third, r), np.repeat(one, 1 + r), table.second])
         extended = np.empty(r + 2)
         extended[r:] = 1.0, 1.0 / 3.0
         left, right, products = np.empty((3, first.size))
-        packed = np.empty(len(table))
-        matrix = np.concatenate([linear, np.zeros((1, r)), _rest(table, linear)])
+        packed = np.empty(table.first.size)
+        matrix = np.concatenate([np.zeros((r + 1, r)), table.rest])
         self._coordinates = extended[:r]
         self._stiffness = matrix[:r]
         self._force = np.empty(r)
@@ -51,8 +38,8 @@ class CubicEvaluator:
             (extended.take, (first, None, left, "clip")),  # other modes gather to a copy of ``out``
             (extended.take, (second, None, right, "clip")),
             (np.multiply, (left, right, products)),
-            (table.dot, (products[r:], packed)),
-            (packed.take, (pair_places(r), None, self._stiffness, "clip")),
+            (table.coefficients.dot, (products[r:], packed)),
+            (packed.take, (table.places, None, self._stiffness, "clip")),
             (products.dot, (matrix, self._force)),
         )
 
@@ -76,6 +63,8 @@ class CubicBatchEvaluator:
     """
 
     __slots__ = (
+        "_bent",
+        "_coordinates",
         "_first",
         "_force",
         "_left",
@@ -89,19 +78,21 @@ class CubicBatchEvaluator:
         "_terms",
     )
 
-    def __init__(self, table: Array, linear: Array, bodies: int) -> None:
-        r = len(linear)
-        self._table = table
-        self._first, self._second = pairs(r)
-        self._terms = np.empty((table.shape[1], bodies))
-        self._terms[0] = 1.0
-        self._products = self._terms[1 + r :]
-        self._left = np.empty((len(table), bodies))
-        self._packed = np.empty((bodies, len(table)))
-        self._places = pair_places(r)
+    def __init__(self, table: CubicTable, bodies: int) -> None:
+        r, s = table.size, table.first.size
+        self._table = table.coefficients.T
+        self._matrix = table.rest
+        self._first, self._second, self._places = table.first, table.second, table.places
+        terms = np.empty((1 + r + s, bodies))
+        terms[0] = 1.0
+        self._terms = terms.T
+        self._coordinates = terms[1 : 1 + r]
+        self._products = terms[1 + r :]
+        self._left = np.empty((s, bodies))
+        self._packed = np.empty((bodies, s))
         self._stiffness = np.empty((bodies, r, r))
         self._force = np.empty((bodies, r))
-        self._matrix = _rest(table, linear)
+        self._bent = np.empty((bodies, r, 1))
 
     def force(self, q: Array) -> Array:
         """Return f (b, r) at ``q`` (b, r), overwritten by the next call."""
@@ -109,14 +100,14 @@ class CubicBatchEvaluator:
 
     def force_and_stiffness(self, q: Array) -> tuple[Array, Array]:
         """Return f (b, r) and K (b, r, r), overwritten by the next call."""
-        r = self._force.shape[1]
-        coordinates = self._terms[1 : 1 + r]
-        np.copyto(coordinates, q.T)
-        coordinates.take(self._first, 0, self._left, "clip")
-        coordinates.take(self._second, 0, self._products, "clip")
+        np.copyto(self._coordinates, q.T)
+        self._coordinates.take(self._first, 0, self._left, "clip")
+        self._coordinates.take(self._second, 0, self._products, "clip")
         np.multiply(self._left, self._products, self._products)
-        np.dot(self._terms.T, self._table.T, self._packed)
+        np.dot(self._terms, self._table, self._packed)
         self._packed.take(self._places, 1, self._stiffness, "clip")
-        np.dot(self._terms[1:].T, self._matrix, self._force)
-        self._force += np.matmul(self._stiffness, q[:, :, None])[:, :, 0] / 3.0
+        np.dot(self._terms[:, 1:], self._matrix, self._force)
+        np.matmul(self._stiffness, q[:, :, None], self._bent)
+        np.multiply(self._bent, 1.0 / 3.0, self._bent)
+        np.add(self._force, self._bent[:, :, 0], self._force)
         return self._force, self._stiffness

@@ -26,7 +26,7 @@ class LinearForce:
     """
 
     kind: ClassVar[str] = "linear"
-    ARRAYS: ClassVar[Mapping[str, ArraySpec]] = {"linear": ArraySpec("f", 2)}
+    ARRAYS: ClassVar[Mapping[str, ArraySpec]] = {"stiffness": ArraySpec("f", 2)}
 
     linear: Array
 
@@ -59,7 +59,7 @@ class LinearForce:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays that a model file holds of this law."""
-        return {"linear": self.linear}
+        return {"stiffness": self.linear}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
@@ -68,7 +68,7 @@ class LinearForce:
         Raises:
             ValueError: they do not fit together.
         """
-        return cls(arrays["linear"])
+        return cls(arrays["stiffness"])
 
 
 class LinearEvaluator:

@@ -6,7 +6,8 @@ i + C(j + 1, 2) + C(k + 2, 3) + C(l + 3, 4), with C the binomial coefficient. Th
 depend on r, so that a tensor's beginning is the tensor of the first coordinates.
 """
 
-from math import comb
+from collections.abc import Iterable, Iterator
+from math import comb, isqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,10 +60,7 @@ def unique_third(matrix: Array) -> Array:
     Raises:
         ValueError: the tensor is not symmetric to round-off.
     """
-    r = matrix.shape[1]
-    place = pair_places(r)
-    i, j, k = unique_indices(r, 3)
-    return _mean([matrix[place[i, j], k], matrix[place[i, k], j], matrix[place[j, k], i]])
+    return _mean(matrix[places] for places in _third_places(matrix.shape[1]))
 
 
 def unique_fourth(matrix: Array) -> Array:
@@ -71,27 +69,59 @@ def unique_fourth(matrix: Array) -> Array:
     Raises:
         ValueError: the tensor is not symmetric to round-off.
     """
-    r = round(((8 * matrix.shape[0] + 1) ** 0.5 - 1) / 2)
+    splits = _fourth_places(_coordinates(matrix))
+    return _mean(matrix[places] for ij, kl in splits for places in ((ij, kl), (kl, ij)))
+
+
+def read_third(matrix: Array) -> Array:
+    """Return what `unique_third` does of a matrix that is known to be exactly symmetric."""
+    return matrix[next(_third_places(matrix.shape[1]))]
+
+
+def read_fourth(matrix: Array) -> Array:
+    """Return what `unique_fourth` does of a matrix that is known to be exactly symmetric."""
+    return matrix[next(_fourth_places(_coordinates(matrix)))]
+
+
+def _coordinates(matrix: Array) -> int:
+    """Return r of a matrix with r (r + 1) / 2 rows."""
+    return (isqrt(8 * len(matrix) + 1) - 1) // 2
+
+
+def _third_places(r: int) -> Iterator[tuple[Index, Index]]:
+    """Yield where each unique coefficient stands, for the three ways to split its indices."""
+    place = pair_places(r)
+    i, j, k = unique_indices(r, 3)
+    yield place[i, j], k
+    yield place[i, k], j
+    yield place[j, k], i
+
+
+def _fourth_places(r: int) -> Iterator[tuple[Index, Index]]:
+    """Yield the same for two pairs."""
     place = pair_places(r)
     i, j, k, l = unique_indices(r, 4)  # noqa: E741
-    splits = [(place[i, j], place[k, l]), (place[i, k], place[j, l]), (place[i, l], place[j, k])]
-    return _mean([_middle(matrix[a, b], matrix[b, a]) for a, b in splits])
+    yield place[i, j], place[k, l]
+    yield place[i, k], place[j, l]
+    yield place[i, l], place[j, k]
 
 
-def _middle(one: Array, other: Array) -> Array:
-    return one + 0.5 * (other - one)  # exactly ``one`` where they are equal
-
-
-def _mean(equals: list[Array]) -> Array:
-    """Return the mean of three arrays that differ by round-off; of equal ones, exactly them."""
-    first, second, third = equals
-    apart = max(np.abs(second - first).max(initial=0.0), np.abs(third - first).max(initial=0.0))
+def _mean(equals: Iterable[Array]) -> Array:
+    """Return the mean of arrays that differ by round-off; of equal ones, exactly them."""
+    each = iter(equals)
+    first = next(each)
+    sum_of_shifts, count, apart = np.zeros_like(first), 1, 0.0
+    for other in each:
+        shift = other - first
+        sum_of_shifts += shift
+        count += 1
+        apart = max(apart, np.abs(shift).max(initial=0.0))
     if not apart <= _ASYMMETRY * np.abs(first).max(initial=0.0):
         raise ValueError(
             f"coefficients that must be equal differ by {apart:.3g}: they are not derivatives of "
             "an energy"
         )
-    return first + ((second - first) + (third - first)) / 3.0
+    return first + sum_of_shifts / count
 
 
 def third_matrix(unique: Array, r: int) -> Array:
