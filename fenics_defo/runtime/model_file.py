@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from fenics_defo.errors import DefoError, FileFormatError
 from fenics_defo.runtime.archive import ArraySpec, read_archive, write_archive
-from fenics_defo.runtime.floating.frame import FRAME_ARRAYS, FRAME_UNITS, FloatingFrame
+from fenics_defo.runtime.floating.frame import FloatingFrame
 from fenics_defo.runtime.forces import CubicForce, LinearForce, StoredLaw, TaylorForce
 from fenics_defo.runtime.metadata import json_text, parse_mapping
 from fenics_defo.runtime.outputs import Outputs, Probe
-
-Array = NDArray[np.float64]
 
 KIND = "reduced model"
 VERSION = 1
@@ -79,6 +77,7 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
             f"{path}: a force law of the kind {law.kind!r} cannot be stored; the kinds that can "
             f"are {', '.join(FORCE_LAWS)}."
         )
+    probes, loads, r = fields["probes"], fields["loads"], law.size
     arrays: dict[str, NDArray[Any]] = {
         "format_version": np.array(VERSION),
         "force": np.array(law.kind),
@@ -91,26 +90,20 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
         "cells": outputs.cells,
         "cell_type": np.array(outputs.cell_type),
         "gravity": fields["gravity_rows"],
-        **_arrays_by_name(fields["loads"], fields["probes"], law.size),
-        "provenance": np.array(json_text(fields["provenance"])),
-        "certificate": np.array(json_text(fields["certificate"])),
-    }
-    arrays |= {f"force_{name}": array for name, array in law.arrays().items()}
-    arrays |= {} if frame is None else frame.arrays()
-    units = {name: unit for name, unit in (_UNITS | FRAME_UNITS).items() if name in arrays}
-    write_archive(path, arrays, kind=KIND, version=VERSION, units=units)
-
-
-def _arrays_by_name(
-    loads: Mapping[str, Array], probes: Mapping[str, Probe], r: int
-) -> dict[str, NDArray[Any]]:
-    return {
         "load_names": np.array(list(loads), dtype=np.str_),
         "loads": np.array(list(loads.values())).reshape(-1, r),
         "probe_names": np.array(list(probes), dtype=np.str_),
         "probe_points": np.array([probe.point for probe in probes.values()]).reshape(-1, 3),
         "probe_shapes": np.array([probe.shapes for probe in probes.values()]).reshape(-1, 3, r),
+        "provenance": np.array(json_text(fields["provenance"])),
+        "certificate": np.array(json_text(fields["certificate"])),
     }
+    arrays |= {f"force_{name}": array for name, array in law.arrays().items()}
+    arrays |= {} if frame is None else frame.arrays()
+    units = {
+        name: unit for name, unit in {**_UNITS, **FloatingFrame.UNITS}.items() if name in arrays
+    }
+    write_archive(path, arrays, kind=KIND, version=VERSION, units=units)
 
 
 def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -129,7 +122,7 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
             f"{_HELD!r} and {_FLOATING!r}; update it, or write the file again."
         )
     required = _ARRAYS | {f"force_{name}": spec for name, spec in law.ARRAYS.items()}
-    required |= FRAME_ARRAYS if frame == _FLOATING else {}
+    required |= FloatingFrame.ARRAYS if frame == _FLOATING else {}
     arrays = read_archive(path, kind=KIND, version=VERSION, required=required)
     try:
         return _fields(arrays, law, floats=frame == _FLOATING)

@@ -44,6 +44,11 @@ def smooth_shapes(solid: Solid, count: int) -> Array:
     return shapes / np.abs(shapes).max(axis=(1, 2), keepdims=True)
 
 
+def end_node(solid: Solid) -> int:
+    """A corner of the end that is not held."""
+    return int(np.argmax(solid.points @ (1.0, 1e-3, 1e-4)))
+
+
 def coordinates(shapes: Array, amplitude: float, count: int = 2) -> Array:
     """Random q (count, r) whose largest displacement is a part of the body's size."""
     q = np.random.default_rng(5).uniform(-1.0, 1.0, (count, len(shapes)))
