@@ -175,6 +175,7 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
     problem = EigenProblem(
         stiffness=stiffness,
         mass=assembly.mass,
+        pencil=assembly.pencil(stiffness),
         shift=0.0,
         definite=rest and solid.is_isotropic_at_rest,
         independent=int(solid.comm.allreduce(int(free.sum()))),

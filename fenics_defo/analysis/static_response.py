@@ -54,6 +54,7 @@ class StaticResponse:
                 problem = EigenProblem(
                     stiffness=stiffness,
                     mass=self._assembly.mass,
+                    pencil=self._assembly.pencil(stiffness),
                     shift=0.0,
                     definite=rest and solid.is_isotropic_at_rest,
                     independent=int(solid.comm.allreduce(int(self.free.sum()))),

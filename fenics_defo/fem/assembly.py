@@ -15,6 +15,7 @@ from fenics_defo.fem.forms import BodyForms
 from fenics_defo.fem.jit import compiled
 from fenics_defo.fem.mass import ConsistentMass, Entries
 from fenics_defo.fem.parts import Part
+from fenics_defo.fem.pencil import Pencil
 from fenics_defo.fem.tangent_derivative import add_tangent_derivatives
 from fenics_defo.fem.ufl_part import add_form
 
@@ -221,6 +222,10 @@ class Assembly:
             diagonal: entry of the held rows.
         """
         return self._matrix(local, self._held_blocks, diagonal)
+
+    def pencil(self, stiffness: PETSc.Mat) -> Pencil:
+        """Products with a matrix from `stiffness_matrix`, while it lives, and with the mass."""
+        return Pencil(self._blocks, stiffness, self.mass)
 
     def _matrix(self, local: Array | None, held: HeldBlocks | None, diagonal: float) -> PETSc.Mat:
         if local is None:

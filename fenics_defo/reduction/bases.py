@@ -97,7 +97,9 @@ def modal_derivative_basis(
         )
     weight = values[0] / values
     with phases("components"):
-        columns = np.empty((own_columns(solid, shapes[:1]).size, len(shapes) + len(first)))
+        columns = np.empty(
+            (own_columns(solid, shapes[:1]).size, len(shapes) + len(first)), order="F"
+        )
         columns[:, : len(shapes)] = own_columns(solid, shapes) * weight
         columns[:, len(shapes) :] = own_columns(solid, derivatives)
         columns[:, len(shapes) :] *= amplitude * weight[first] * weight[second]

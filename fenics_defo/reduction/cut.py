@@ -89,6 +89,7 @@ def orthonormal_basis(
     weights, vectors = np.linalg.eigh(gram(solid, columns))
     shapes = gathered(solid, columns @ ((vectors / np.sqrt(weights)) @ vectors.T))
     shapes *= signs(shapes)[:, None, None]
+    shapes += 0.0  # no negative zeros: the bytes of a file are those of the numbers
     return Basis(
         shapes=shapes,
         mass=gram(solid, own_columns(solid, shapes)),

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 # Columns that are dependent to this part of their length make a mass that cannot be inverted.
 _DEPENDENT = 1e-7
 # What is left of a unit field outside a basis that it is joined to, for it to count.
-_NEW = 1e-8
+_NEW = 1e-6
 
 
 def join(solid: Solid, *bases: Basis) -> Basis:
@@ -89,8 +89,8 @@ def basis_from_array(solid: Solid, shapes: ArrayLike) -> Basis:
 
 def _check_independent(solid: Solid, columns: Array) -> None:
     """Refuse unit columns of which one is nearly a combination of others."""
-    _, R = orthonormal_factors(solid, columns)
-    _, values, right = np.linalg.svd(R)
+    _, L, R = orthonormal_factors(solid, columns)
+    _, values, right = np.linalg.svd(L.T @ R)
     if len(values) == columns.shape[1] and values[-1] > _DEPENDENT * values[0]:
         return
     weights = np.abs(right[-1])

@@ -28,51 +28,44 @@ def gram(solid: Solid, left: Array, right: Array | None = None) -> Array:
     return np.asarray(product if right is not None else 0.5 * (product + product.T))
 
 
-def orthonormal_factors(solid: Solid, columns: Array) -> tuple[Array, Array]:
-    """Q and R with columns = Q R and Qᵀ M Q = 1, whatever the columns.
+def orthonormal_factors(solid: Solid, columns: Array) -> tuple[Array, Array, Array]:
+    """Q, L and R with columns = Q R and Qᵀ M Q = L Lᵀ of a small condition, whatever the columns.
 
-    First by Householder's method for columns weighted with the root of the lumped mass, rank by
-    rank and then for the ranks' triangles, which no near dependence of columns harms. Between the
-    lumped and the consistent mass lies a matrix of a condition of about ten, so that what is left
-    can be done by Cholesky's factors without a loss of digits.
+    By Householder's method for columns weighted with the root of the lumped mass, rank by rank and
+    then for the ranks' triangles, which no near dependence of columns harms. Between the lumped and
+    the consistent mass lies a matrix of a condition of about ten: what is left can be done by
+    Cholesky's factor without a loss of digits. Q L⁻ᵀ is orthonormal in M.
 
     Args:
         solid: body.
         columns: (owned dofs, s).
 
     Returns:
-        Q (owned dofs, m) and R (m, s), m the smaller of s and of the body's free components.
+        Q (owned dofs, m), L (m, m) lower triangular and R (m, s), m the smaller of s and of the
+        body's free components.
     """
     free = ~solid.assembly.held[: solid.assembly.owned].ravel()
     mass = np.repeat(solid.assembly.lumped_mass()[: solid.assembly.owned], 3)[free]
     root = np.sqrt(mass)[:, None]
-    inner, triangle = np.linalg.qr(root * columns[free])
+    weighted = np.asfortranarray(root * columns[free])
+    inner, triangle = linalg.qr(weighted, mode="economic", overwrite_a=True, check_finite=False)
     if solid.comm.size > 1:
         triangles = solid.comm.allgather(triangle)
         start = sum(len(other) for other in triangles[: solid.comm.rank])
-        outer, triangle = np.linalg.qr(np.vstack(triangles))
+        outer, triangle = linalg.qr(np.vstack(triangles), mode="economic", check_finite=False)
         inner = inner @ outer[start : start + inner.shape[1]]
     Q = np.zeros((len(free), inner.shape[1]), order="F")
     Q[free] = inner / root
-    return _normalised(solid, Q, triangle)
-
-
-def _normalised(solid: Solid, Q: Array, R: Array) -> tuple[Array, Array]:
-    """The same product, with Qᵀ M Q = 1, for Q whose columns are far from dependent."""
-    for _ in range(2):  # the second time removes what the first one's round-off left
-        lower = np.linalg.cholesky(gram(solid, Q))
-        Q = linalg.solve_triangular(lower, Q.T, lower=True, check_finite=False).T
-        R = lower.T @ R
-    return Q, R
+    return Q, np.linalg.cholesky(gram(solid, Q)), triangle
 
 
 @dataclass(frozen=True, slots=True)
 class Principal:
-    """Principal components Q W of some fields; those of equal values are made unique.
+    """Principal components of some fields, those of equal values made unique.
 
     Args:
-        factor: Q (owned dofs, m), orthonormal in M.
-        turn: W (m, rank), orthonormal.
+        factor: Q (owned dofs, m).
+        turn: (m, rank), by which the components are combinations of Q.
         values: all singular values (m,), descending.
     """
 
@@ -104,18 +97,19 @@ class Principal:
 def principal_components(solid: Solid, columns: Array) -> Principal:
     """Principal components of columns (owned dofs, s) in the inner product of M.
 
-    With columns = Q R as by `orthonormal_factors` and R = W Σ Vᵀ they are Q W: the squares of the
+    With Q, L and R of `orthonormal_factors` and Lᵀ R = W Σ Vᵀ they are Q L⁻ᵀ W: the squares of the
     columns' products, which have half of their digits, appear nowhere.
     """
-    Q, R = orthonormal_factors(solid, columns)
-    W, values, _ = linalg.svd(R, full_matrices=False)
+    Q, L, R = orthonormal_factors(solid, columns)
+    W, values, _ = linalg.svd(L.T @ R, full_matrices=False)
     rank = int(np.count_nonzero(values > _RANK * values.max(initial=0.0)))
-    W = W[:, :rank]
-    return Principal(Q, W @ _alignment(solid, Q, W, values[:rank]), values)
+    turn = linalg.solve_triangular(L, W[:, :rank], trans="T", lower=True)
+    turn = turn @ _alignment(solid, Q, turn, values[:rank])
+    return Principal(Q, turn, values)
 
 
-def _alignment(solid: Solid, Q: Array, W: Array, values: Array) -> Array:
-    """Rotation (m, m) among the vectors Q W of equal values, which round-off else would choose."""
+def _alignment(solid: Solid, Q: Array, turn: Array, values: Array) -> Array:
+    """Rotation (m, m) of the vectors of equal values, which round-off else would choose."""
     owned, points = solid.assembly.owned, solid.points
     low, high = points.min(axis=0), points.max(axis=0)
     place = (points - 0.5 * (low + high)) / (0.5 * float(np.max(high - low)))
@@ -123,7 +117,7 @@ def _alignment(solid: Solid, Q: Array, W: Array, values: Array) -> Array:
     fields[solid.assembly.held[:owned].ravel()] = 0.0
     lengths = np.sqrt(np.diag(gram(solid, fields)))
     fields /= np.where(lengths > 0.0, lengths, 1.0)
-    projections = W.T @ gram(solid, Q, fields)
+    projections = turn.T @ gram(solid, Q, fields)
     backwards = align_clusters(values[::-1], projections[::-1], rtol=np.full(len(values), _SAME))
     return backwards[::-1, ::-1]
 

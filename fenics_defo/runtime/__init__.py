@@ -12,6 +12,13 @@ if TYPE_CHECKING:
     from fenics_defo.runtime.comparison import mac
     from fenics_defo.runtime.floating import FloatingBody, FloatingFrame
     from fenics_defo.runtime.forces import CubicForce, ForceLaw, LinearForce, TaylorForce
+    from fenics_defo.runtime.integrators import (
+        BackwardEuler,
+        CentralDifferences,
+        ImplicitNewmark,
+        ModalFilter,
+        SymplecticEuler,
+    )
     from fenics_defo.runtime.model import ReducedModel
     from fenics_defo.runtime.model import load_model as load
     from fenics_defo.runtime.modes import DIRECTIONS, NODES_PER_CELL, Modes, load_modes
@@ -21,15 +28,20 @@ _HOME = {
     "DIRECTIONS": "modes",
     "NODES_PER_CELL": "modes",
     "ArraySpec": "archive",
+    "BackwardEuler": "integrators",
+    "CentralDifferences": "integrators",
     "CubicForce": "forces",
     "FloatingBody": "floating",
     "FloatingFrame": "floating",
     "ForceLaw": "forces",
+    "ImplicitNewmark": "integrators",
     "LinearForce": "forces",
+    "ModalFilter": "integrators",
     "Modes": "modes",
     "Outputs": "outputs",
     "Probe": "outputs",
     "ReducedModel": "model",
+    "SymplecticEuler": "integrators",
     "TaylorForce": "forces",
     "atomic_path": "atomic",
     "check_writable": "atomic",
@@ -44,15 +56,20 @@ __all__ = [
     "DIRECTIONS",
     "NODES_PER_CELL",
     "ArraySpec",
+    "BackwardEuler",
+    "CentralDifferences",
     "CubicForce",
     "FloatingBody",
     "FloatingFrame",
     "ForceLaw",
+    "ImplicitNewmark",
     "LinearForce",
+    "ModalFilter",
     "Modes",
     "Outputs",
     "Probe",
     "ReducedModel",
+    "SymplecticEuler",
     "TaylorForce",
     "atomic_path",
     "check_writable",

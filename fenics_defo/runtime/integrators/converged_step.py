@@ -14,7 +14,8 @@ Array = NDArray[np.float64]
 _EPS = float(np.finfo(float).eps)
 # What the forces at the start of the step leave as round-off in those at its end.
 _START_ROUND_OFF = 1e3 * _EPS
-# Forces of round-off in the coordinates that count as none, in units of eps |K| |q|.
+# Forces of round-off in the coordinates that count as none, in units of eps |K| |q|; to those in
+# the accelerations, one unit of eps |M| |q| times their rate is added.
 _ROUND_OFF = 10.0
 # A residual that grows beyond this multiple of the first will not come back.
 _HOPELESS = 1e10
@@ -82,6 +83,7 @@ class ConvergedStep:
         self._scale = 1.0 + damping[1] * rule.velocity_rate
         mass_scale = rule.acceleration_rate + damping[0] * rule.velocity_rate
         self._mass = mass_scale * inertia.matrix
+        self._noisy_mass = rule.acceleration_rate * np.abs(inertia.matrix)
         #: Rows q, v, a at the start of the step.
         self.start = np.zeros((3, *shape))
         #: Velocity and acceleration where the displacement is that at the start.
@@ -178,8 +180,9 @@ class ConvergedStep:
     def _is_open(self, balance: _Balance, first: Array) -> NDArray[np.bool_]:
         """Whether the equations do not hold yet (...); true where something is no number."""
         allowed = np.maximum(self._tolerance * balance.scale, _START_ROUND_OFF * first)
-        noise = (np.abs(balance.stiffness) @ np.abs(balance.q)[..., None])[..., 0]
-        allowed = np.maximum(allowed, _ROUND_OFF * _EPS * np.linalg.norm(noise, axis=-1))
+        noise = _ROUND_OFF * np.abs(balance.stiffness) + self._noisy_mass
+        forces = (noise @ np.abs(balance.q)[..., None])[..., 0]
+        allowed = np.maximum(allowed, _EPS * np.linalg.norm(forces, axis=-1))
         return np.asarray(~(balance.size <= allowed))
 
     def _direction(self, balance: _Balance) -> Array:

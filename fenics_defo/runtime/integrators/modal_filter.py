@@ -108,6 +108,7 @@ class ModalFilter:
         self._products = np.empty_like(self._table)
         # Rows z, v, p, twice: the last good ones stay while a step fails.
         self._rows, self._at = np.zeros((2, 3, n)), 0
+        self._acting = np.zeros((3, n))
 
     @property
     def _state(self) -> Array:
@@ -163,11 +164,13 @@ class ModalFilter:
         force: Array | float = 0.0
         if load is not None:
             if load.__class__ is not np.ndarray or load.shape != self._shape:
-                load = self._checked(load, self._shape)
+                load = self._checked(load)
             force = self._modal_force(load).reshape(-1)
+        acting = self._acting
+        acting[...] = now
         if self.hold == "constant":
-            now[2] = force
-        np.multiply(self._table, now, self._products)
+            acting[2] = force
+        np.multiply(self._table, acting, self._products)
         np.add.reduce(self._products, 1, out=then[:2])
         then[2] = force
         flat = then.reshape(-1)
@@ -191,7 +194,11 @@ class ModalFilter:
             LoadError: arrays of another shape.
         """
         given = np.ascontiguousarray(loads, dtype=np.float64)
-        given = self._checked(given, (len(given) if given.ndim else 0, *self._shape))
+        if given.shape[1:] != self._shape:
+            wanted = ", ".join(map(str, self._shape))
+            raise LoadError(
+                f"loads of t steps must have the shape (t, {wanted}), got {given.shape}"
+            )
         if out is None:
             out = np.empty(given.shape)
         elif not (
@@ -246,11 +253,11 @@ class ModalFilter:
         rows = modal.reshape(self._shape)
         return rows.copy() if self._modes is None else rows @ self._modes.T
 
-    def _checked(self, given: ArrayLike, shape: tuple[int, ...]) -> Array:
+    def _checked(self, given: ArrayLike) -> Array:
         values = np.asarray(given, dtype=np.float64)
-        if values.shape not in (shape, shape[-1:]) or (len(shape) > 1 and values.ndim == 0):
-            raise LoadError(f"loads must have the shape {shape}, got {values.shape}")
-        return np.broadcast_to(values, shape)
+        if values.shape not in (self._shape, self._shape[-1:]):
+            raise LoadError(f"a load must have the shape {self._shape}, got {values.shape}")
+        return np.broadcast_to(values, self._shape)
 
     def _divergence(self, steps: int) -> DivergenceError:
         time = self.time + steps * self.step

@@ -16,9 +16,10 @@ from fenics_defo.runtime.integrators.stepper import Stepper
 class ImplicitNewmark(Stepper):
     """q' = q + h v + h² ((½ - β) a + β a'),  v' = v + h ((1 - γ) a + γ a'),  M a' + C v' + f' = g'.
 
-    C = alpha M + beta K(q) with the tangent at the present iterate. The default, average
-    acceleration, is of second order, stable for any step on linear models, and keeps their energy
-    exactly. γ > ½ damps the high frequencies and is of first order.
+    C = alpha M + beta K(q) with the tangent at the present iterate: with newton = 1 that at the
+    start of the step, which makes stiffness damping of nonlinear models first order. The default,
+    average acceleration, is of second order, stable for any step on linear models, and keeps their
+    energy exactly. γ > ½ damps the high frequencies and is of first order.
 
     Args:
         model: what moves, of r coordinates.

@@ -113,8 +113,8 @@ class Stepper:
             load = self._as_force("the load of a step", load)
         try:
             size = self._scheme.advance(load)
-        except (np.linalg.LinAlgError, FloatingPointError, RuntimeWarning) as error:
-            raise self._divergence(load) from error
+        except (np.linalg.LinAlgError, FloatingPointError, RuntimeWarning):
+            size = self._advance_quietly(load)
         if not size < np.inf:
             raise self._divergence(load)
         self.steps += 1
@@ -171,6 +171,14 @@ class Stepper:
         if not np.isfinite(time):
             raise LoadError(f"time must be a finite number [s], got {time!r}")
         self._begin(*fields, time=float(time))
+
+    def _advance_quietly(self, load: Array) -> float:
+        """The step once more, where NumPy's warnings are errors: the numbers decide, not they."""
+        try:
+            with np.errstate(all="ignore"):
+                return self._scheme.advance(load)
+        except np.linalg.LinAlgError:
+            return np.nan
 
     def _begin(self, q: Array, v: Array, load: Array, *, time: float) -> None:
         scheme = self._scheme

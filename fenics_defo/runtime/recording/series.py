@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 _FRAME = re.compile(
     r'<DataSet timestep="(?P<time>[-+.e0-9]{1,32})" part="0" '
-    r'file="(?P<file>[^"/\\&]{1,200}/frame_\d{6,12}\.vtu)"/>'
+    r'file="(?P<file>(?!\.)[^"/\\&]{1,200}/frame_\d{6,12}\.vtu)"/>'
 )
 _HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection"'
 
