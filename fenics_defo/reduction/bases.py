@@ -109,7 +109,10 @@ def modal_derivative_basis(
             "amplitude": float(amplitude),
             "about": "rest" if displacement is None else "a deformed state",
         }
-        return chosen_basis(solid, columns, size, share, "modal-derivatives", origin)
+        motions = own_columns(solid, free_motions(solid, displacement))
+        return chosen_basis(
+            solid, columns, size, share, "modal-derivatives", motions=motions, origin=origin
+        )
 
 
 def snapshot_basis(
@@ -141,8 +144,15 @@ def snapshot_basis(
     motions = free_motions(solid)
     if len(motions) == 6 and not solid.held.any():
         fields = in_body_frame(solid.points, solid.lumped_mass(), fields)
-        columns = without(solid, own_columns(solid, motions), own_columns(solid, fields))
     else:
-        columns = own_columns(solid, fields)
-    origin = {"snapshots": len(fields)}
-    return chosen_basis(solid, columns, size, share, "snapshots", origin)
+        motions = motions[:0]
+    known = own_columns(solid, motions)
+    return chosen_basis(
+        solid,
+        without(solid, known, own_columns(solid, fields)),
+        size,
+        share,
+        "snapshots",
+        motions=known,
+        origin={"snapshots": len(fields)},
+    )

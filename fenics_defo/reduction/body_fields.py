@@ -15,7 +15,8 @@ _ROUND_OFF = 1e-9
 
 def own_columns(solid: Solid, shapes: Array) -> Array:
     """Fields (s, n, 3) over the components that this rank owns: (owned dofs, s), Fortran order."""
-    return shapes[:, solid.nodes.rows[: solid.nodes.owned]].reshape(len(shapes), -1).T
+    owned = solid.nodes.rows[: solid.nodes.owned]
+    return shapes[:, owned].reshape(len(shapes), 3 * len(owned)).T
 
 
 def gathered(solid: Solid, columns: Array) -> Array:

@@ -10,7 +10,7 @@ from fenics_defo.errors import DefoError
 from fenics_defo.fem import Solid
 from fenics_defo.reduction.basis import Basis, Plain
 from fenics_defo.reduction.body_fields import gathered, own_columns
-from fenics_defo.reduction.mass_space import gram, principal_components
+from fenics_defo.reduction.mass_space import gram, principal_components, without
 
 Array = NDArray[np.float64]
 
@@ -48,9 +48,14 @@ def chosen_basis(
     size: int | None,
     share: float | None,
     kind: str,
+    *,
+    motions: Array,
     origin: Mapping[str, Plain],
 ) -> Basis:
     """The basis of the first principal components of candidates (owned dofs, s); collective.
+
+    Where they are small beside the first one, so is what round-off leaves in the candidates of
+    ``motions`` (owned dofs, k), rigid ones, which have no place in a basis: it is taken out again.
 
     Raises:
         DefoError: the candidates are all zero, or span less than ``size``.
@@ -65,7 +70,7 @@ def chosen_basis(
         count = min(found.smallest(share), found.rank if size is None else size)
     return orthonormal_basis(
         solid,
-        found.vectors(count),
+        without(solid, motions, found.vectors(count)),
         kind,
         values=found.values,
         kept=found.share(count),
