@@ -5,7 +5,8 @@ shape relative to its centre of mass, shapes U and their coordinates q. `Floatin
 integrals of mass that the inertia forces of this motion need, `FloatingBody` moves it.
 """
 
-from fenics_defo.runtime.floating.body import Coupling, FloatingBody, FloatingEnergies
+from fenics_defo.runtime.floating.body import Coupling, FloatingBody
+from fenics_defo.runtime.floating.conserved import FloatingEnergies
 from fenics_defo.runtime.floating.frame import FRAME_ARRAYS, FRAME_UNITS, FloatingFrame
 
 __all__ = [

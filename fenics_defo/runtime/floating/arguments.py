@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fenics_defo.errors import LoadError, SolverError, StepSizeError
+from fenics_defo.errors import DefoError, LoadError, SolverError, StepSizeError
 from fenics_defo.runtime.floating.rotations import from_quaternion
 from fenics_defo.runtime.floating.step import NewtonSettings
 
@@ -98,6 +98,29 @@ def checked_forces(
     shape = np.broadcast_shapes(*(vector.shape for vector in vectors))
     stacked = np.stack([np.broadcast_to(vector, shape) for vector in vectors], axis=-2)
     return np.array(found, np.int64), stacked
+
+
+def common_batch(*batches: tuple[int, ...]) -> tuple[int, ...]:
+    """The leading axes that all initial values have or are repeated along."""
+    try:
+        batch = np.broadcast_shapes(*batches)
+    except ValueError as error:
+        sizes = sorted({b[0] for b in batches if b})
+        raise DefoError(
+            f"the initial values are for batches of different sizes {sizes}; give one row for "
+            "each body, or one for all"
+        ) from error
+    return batch
+
+
+def check_batches(given: Mapping[str, tuple[int, ...]], batch: tuple[int, ...]) -> None:
+    """Check that loads are for one body, or for each of the batch."""
+    for name, leading in given.items():
+        if leading and leading != batch:
+            raise LoadError(
+                f"{name} was given for {leading[0]} bodies, but there are {math.prod(batch)} here; "
+                "give one row for each, or one for all"
+            )
 
 
 def _numbers(given: ArrayLike) -> Array:

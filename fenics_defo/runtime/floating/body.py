@@ -1,26 +1,28 @@
 """A reduced body that flies: it tumbles, falls and is pushed while it deforms."""
 
-import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fenics_defo.errors import DefoError, DivergenceError, LoadError
+from fenics_defo.errors import DefoError, DivergenceError
 from fenics_defo.runtime.floating import rotations
 from fenics_defo.runtime.floating.arguments import (
+    check_batches,
     checked_damping,
     checked_forces,
     checked_newton,
     checked_rotation,
     checked_step,
     checked_vector,
+    common_batch,
 )
-from fenics_defo.runtime.floating.frame import FloatingFrame
+from fenics_defo.runtime.floating.conserved import FloatingEnergies, kinetic_energy, momenta
+from fenics_defo.runtime.floating.flying_model import FlyingModel
 from fenics_defo.runtime.floating.inertia import Inertia
 from fenics_defo.runtime.floating.loads import Loads
+from fenics_defo.runtime.floating.products import times
 from fenics_defo.runtime.floating.state import FloatingState
 from fenics_defo.runtime.floating.step import FloatingStep, StepFailure
 
@@ -28,47 +30,6 @@ Array = NDArray[np.float64]
 
 type Coupling = Literal["full", "none"]
 type Force = tuple[int, ArrayLike]
-
-
-class FlyingModel(Protocol):
-    """What `FloatingBody` needs of a reduced model."""
-
-    @property
-    def law(self) -> Any:
-        """Elastic force law of q."""
-
-    @property
-    def frame(self) -> FloatingFrame | None:
-        """Integrals of mass; None for a body that is held."""
-
-    @property
-    def damping(self) -> tuple[float, float]:
-        """(alpha [1/s], beta [s])."""
-
-    @property
-    def nodes(self) -> NDArray[np.int64]:
-        """Stored nodes (p,), zero-based in the file's order."""
-
-    @property
-    def points(self) -> Array:
-        """Their places at rest (p, 3) [m]."""
-
-    @property
-    def shapes(self) -> Array:
-        """Their displacements by the shapes (p, 3, r)."""
-
-
-@dataclass(frozen=True, slots=True)
-class FloatingEnergies:
-    """Energies of a floating body [J]; with the leading axes of a batch.
-
-    Args:
-        kinetic: of the whole motion.
-        strain: elastic.
-    """
-
-    kinetic: Array
-    strain: Array
 
 
 class FloatingBody:
@@ -83,6 +44,10 @@ class FloatingBody:
     number of Newton iterations; the energy has an error of second order that does not drift when
     Newton's method converges.
 
+    A spin stretches and bends the body by its shapes only. That a stretched body is stiffer in
+    bending is a matter of the force law and the shapes: a cubic law with modal derivatives has it,
+    a linear law has not, and then a fast spin softens the body until it diverges.
+
     A batch (b, ...) of bodies of one model is moved at once when ``q`` or another of the initial
     values has a leading axis.
 
@@ -96,7 +61,7 @@ class FloatingBody:
         coupling: "full", or "none". "none" neglects the inertial coupling of rotation and
             deformation: centrifugal, Coriolis and Euler forces upon the deformation, the change of
             inertia by it and its angular momentum. The body then spins as if it were rigid and
-            deforms as if it did not spin; cheaper, and right to first order for slow spins.
+            deforms as if it did not spin: for spins that are slow beside its lowest frequency.
         position: of the centre of mass (3,) [m]; the one at rest if not given.
         rotation: from the frame's axes to the world's, a matrix (3, 3) or a unit quaternion (4,),
             scalar first; none if not given.
@@ -109,7 +74,7 @@ class FloatingBody:
         DefoError: the model has no floating frame, or an argument is out of range.
         StepSizeError: the step is not positive and finite.
 
-    References: Shabana, Dynamics of Multibody Systems, section 5; Hairer, Lubich and Wanner,
+    References: Shabana, Dynamics of Multibody Systems, chapter 5; Hairer, Lubich and Wanner,
     Geometric Numerical Integration (2006), on symmetric methods.
     """
 
@@ -147,12 +112,13 @@ class FloatingBody:
             "v": checked_vector("v", np.zeros(r) if v is None else v, size=r),
         }
         turned = checked_rotation(np.eye(3) if rotation is None else rotation)
-        self._batch = _common_batch(*(x.shape[:-1] for x in given.values()), turned.shape[:-2])
+        self._batch = common_batch(*(x.shape[:-1] for x in given.values()), turned.shape[:-2])
         self.model = model
         self.step = checked_step(step)
         self.coupling = coupling
         self._frame = frame
         self._steps = 0
+        self._first: Loads | None = None
         self._rows = {int(node): row for row, node in enumerate(model.nodes)}
         self._stepper = FloatingStep(
             model.law,
@@ -167,10 +133,10 @@ class FloatingBody:
 
     def _started(self, given: dict[str, Array], rotation: Array) -> FloatingState:
         full = {k: np.broadcast_to(x, (*self._batch, x.shape[-1])) for k, x in given.items()}
-        spin = _times(np.swapaxes(rotation, -1, -2), full["angular_velocity"])
+        spin = times(np.swapaxes(rotation, -1, -2), full["angular_velocity"])
         inertia = self._stepper.inertia
         at = inertia.at(full["q"])
-        angular = _times(at.inertia, spin) + _times(at.coupling, full["v"])
+        angular = times(at.inertia, spin) + times(at.coupling, full["v"])
         by_spin = (spin[..., None, :] @ at.coupling)[..., 0, :]
         return FloatingState(
             time=0.0,
@@ -180,8 +146,8 @@ class FloatingBody:
             spin=spin,
             q=full["q"],
             v=full["v"],
-            angular=_times(rotation, angular),
-            momenta=_times(inertia.mass, full["v"]) + by_spin,
+            angular=times(rotation, angular),
+            momenta=times(inertia.mass, full["v"]) + by_spin,
             push=np.zeros_like(full["q"]),
             force=np.zeros_like(spin),
             moment=np.zeros_like(spin),
@@ -220,7 +186,7 @@ class FloatingBody:
     @property
     def angular_velocity(self) -> Array:
         """Of the frame, in the world's axes (..., 3) [rad/s]."""
-        return _times(self._now.rotation, self._now.spin)
+        return times(self._now.rotation, self._now.spin)
 
     @property
     def q(self) -> Array:
@@ -235,21 +201,12 @@ class FloatingBody:
     @property
     def energies(self) -> FloatingEnergies:
         """Energies of the last good state."""
-        now, inertia = self._now, self._stepper.inertia
-        at = inertia.at(now.q)
-        turning = 0.5 * _times(at.inertia, now.spin) + _times(at.coupling, now.v)
-        kinetic = 0.5 * self._frame.mass * (now.velocity**2).sum(axis=-1)
-        kinetic += (now.spin * turning).sum(axis=-1)
-        kinetic += 0.5 * (now.v * _times(inertia.mass, now.v)).sum(axis=-1)
-        return FloatingEnergies(kinetic, np.asarray(self.model.law.energy(now.q)))
+        kinetic = kinetic_energy(self._now, self._stepper.inertia, mass=self._frame.mass)
+        return FloatingEnergies(kinetic, np.asarray(self.model.law.energy(self._now.q)))
 
     def momentum(self) -> tuple[Array, Array]:
         """Momentum [kg m/s] and angular momentum about the world's origin [kg m²/s], (..., 3)."""
-        now = self._now
-        at = self._stepper.inertia.at(now.q)
-        linear = self._frame.mass * now.velocity
-        angular = _times(now.rotation, _times(at.inertia, now.spin) + _times(at.coupling, now.v))
-        return linear, angular + rotations.cross(now.position, linear)
+        return momenta(self._now, self._stepper.inertia, mass=self._frame.mass)
 
     def world_points(self) -> Array:
         """Where the model's stored nodes are (..., p, 3) [m]."""
@@ -263,6 +220,22 @@ class FloatingBody:
         """How far the stored nodes are from where they are at rest in the model (..., p, 3) [m]."""
         return self.world_points() - self.model.points
 
+    def begin(
+        self,
+        load: ArrayLike | None = None,
+        *,
+        gravity: ArrayLike = (0.0, 0.0, 0.0),
+        forces: Iterable[Force] = (),
+    ) -> None:
+        """Say which loads act at time zero, as `advance`; if not said, those of the first step.
+
+        Raises:
+            DefoError: as `advance`; or the motion has begun.
+        """
+        if self._steps:
+            raise DefoError(f"the motion has begun {self._steps} steps ago; begin before the first")
+        self._first = self._loads(load, gravity, list(forces))
+
     def advance(
         self,
         load: ArrayLike | None = None,
@@ -271,8 +244,6 @@ class FloatingBody:
         forces: Iterable[Force] = (),
     ) -> None:
         """Do one step under loads that act at its end; between the ends they change linearly.
-
-        The loads of the first step act from time zero on.
 
         Args:
             load: generalised load (r,) or (b, r) on the deformation alone: what has no resultant
@@ -287,8 +258,7 @@ class FloatingBody:
         loads = self._loads(load, gravity, list(forces))
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             try:
-                start = self._stepper.begun(self._now, loads) if self._steps == 0 else self._now
-                reached = self._stepper.advance(start, loads)
+                reached = self._stepper.advance(self._start(loads), loads)
                 reason = "" if reached.is_finite() else "the motion became infinite or no number"
             except StepFailure as failure:
                 reason = str(failure)
@@ -305,18 +275,18 @@ class FloatingBody:
         self._now = reached
         self._steps += 1
 
+    def _start(self, loads: Loads) -> FloatingState:
+        if self._steps:
+            return self._now
+        return self._stepper.begun(self._now, loads if self._first is None else self._first)
+
     def _loads(self, load: ArrayLike | None, gravity: ArrayLike, forces: Sequence[Force]) -> Loads:
         r = self._frame.size
         push = checked_vector("load", np.zeros(r) if load is None else load, size=r)
         fall = checked_vector("gravity", gravity)
         rows, vectors = checked_forces(forces, self._rows)
         batches = {"load": push.shape[:-1], "gravity": fall.shape[:-1]}
-        for name, batch in (batches | {"forces": vectors.shape[:-2]}).items():
-            if batch and batch != self._batch:
-                raise LoadError(
-                    f"{name} was given for {batch[0]} bodies, but there are "
-                    f"{math.prod(self._batch)} here; give one row for each, or one for all"
-                )
+        check_batches(batches | {"forces": vectors.shape[:-2]}, self._batch)
         return Loads(
             push=push,
             gravity=fall,
@@ -324,19 +294,3 @@ class FloatingBody:
             shapes=self.model.shapes[rows] - self._frame.mean,
             forces=vectors,
         )
-
-
-def _common_batch(*batches: tuple[int, ...]) -> tuple[int, ...]:
-    try:
-        batch = np.broadcast_shapes(*batches)
-    except ValueError as error:
-        sizes = sorted({b[0] for b in batches if b})
-        raise DefoError(
-            f"the initial values are for batches of different sizes {sizes}; give one row for "
-            "each body, or one for all"
-        ) from error
-    return batch
-
-
-def _times(matrix: Array, vector: Array) -> Array:
-    return np.asarray((matrix @ vector[..., None])[..., 0])

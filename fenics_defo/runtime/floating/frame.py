@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,7 @@ class FloatingFrame:
 
     They give, for any q, the inertia about the centre of mass, its coupling with the rates of q,
     and the Coriolis and centrifugal forces: the inertia shape integrals of Shabana, Dynamics of
-    Multibody Systems, section 5.
+    Multibody Systems, chapter 5.
 
     Taking the mean out of the shapes changes no motion: what it moves, the centre of mass moves
     back. How the frame turns is up to the shapes. Where they are orthogonal in mass to the rigid
@@ -73,6 +73,9 @@ class FloatingFrame:
     Raises:
         ValueError: arrays whose shapes or values do not fit together.
     """
+
+    ARRAYS: ClassVar[dict[str, ArraySpec]] = FRAME_ARRAYS
+    UNITS: ClassVar[dict[str, str]] = FRAME_UNITS
 
     mass: float
     centre: Array
@@ -142,8 +145,8 @@ class FloatingFrame:
         return float(np.sqrt(np.abs(ratio).max(initial=0.0)))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return what a model file holds of the frame, by the names of `FRAME_ARRAYS`."""
-        return {n: np.asarray(getattr(self, n.removeprefix("frame_"))) for n in FRAME_ARRAYS}
+        """Return what a model file holds of the frame, by the names of `ARRAYS`."""
+        return {n: np.asarray(getattr(self, n.removeprefix("frame_"))) for n in self.ARRAYS}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
@@ -152,5 +155,5 @@ class FloatingFrame:
         Raises:
             ValueError: they do not fit together.
         """
-        values: dict[str, Any] = {n.removeprefix("frame_"): arrays[n] for n in FRAME_ARRAYS}
+        values: dict[str, Any] = {n.removeprefix("frame_"): arrays[n] for n in cls.ARRAYS}
         return cls(**values)

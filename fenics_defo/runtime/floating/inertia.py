@@ -11,10 +11,9 @@ and its equations of motion, with f the elastic force and Q the loads, are
     M q'' + A(q)^T w' - 2 G(w) q' - c(q, w) + f(q) = Q              G skew: Coriolis
     d/dt (R (I(q) w + A(q) q')) = moment of the loads                A^T w': Euler; c: centrifugal
 
-Shabana, Dynamics of Multibody Systems, section 5; Terzopoulos and Witkin, Physically based models
-with rigid and deformable components (1988), who split deformable bodies in this way; and, for the
-same inertia forces upon a reduced body, the course of Sifakis and Barbic, FEM Simulation of 3D
-Deformable Solids (SIGGRAPH 2012), part 2.
+Shabana, Dynamics of Multibody Systems, chapter 5. Terzopoulos and Witkin, Physically based models
+with rigid and deformable components (IEEE Computer Graphics and Applications 8(6), 1988), split
+deformable bodies in this way for animation.
 """
 
 from dataclasses import dataclass

@@ -37,8 +37,9 @@ def exponential(angle: Array) -> tuple[Array, Array]:
         exp = 1 + a S + b S²,  J = 1 - b S + c S²,  S = skew(angle), t = |angle|,
         a = sin t / t,  b = (1 - cos t) / t²,  c = (1 - a) / t²
 
-    so that exp(angle + d) = exp(angle) exp(J d) to first order in d (Rodrigues' formula; Bullo and
-    Murray, Proportional derivative control on the Euclidean group, 1995).
+    so that exp(angle + d) = exp(angle) exp(J d) to first order in d: Rodrigues' formula, and the
+    derivative of the exponential (Hairer, Lubich and Wanner, Geometric Numerical Integration,
+    section III.4) summed up for skew matrices.
 
     Args:
         angle: (..., 3) [rad].
@@ -100,8 +101,8 @@ def from_quaternion(quaternion: Array) -> Array:
 def to_quaternion(rotation: Array) -> Array:
     """Unit quaternions (..., 4), the scalar first and not negative, of rotations (..., 3, 3).
 
-    The column of greatest norm of 4 p p^T, which is linear in the matrix (Shepperd, 1978; Bar-
-    Itzhack, 2000): accurate for all rotations.
+    The column with the greatest diagonal entry of 4 p p^T, which is linear in the matrix: accurate
+    for all rotations (Shepperd, Journal of Guidance and Control 1, 1978).
     """
     r = rotation
     table = np.empty((*r.shape[:-2], 4, 4))

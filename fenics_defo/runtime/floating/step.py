@@ -1,15 +1,17 @@
 """One step of a floating body: the trapezoidal rule in its momenta."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.floating.inertia import Inertia, InertiaAtShape
+from fenics_defo.runtime.floating.linearised import LinearisedStep
 from fenics_defo.runtime.floating.loads import Loads, LoadsAtShape
+from fenics_defo.runtime.floating.products import by, times
 from fenics_defo.runtime.floating.rotations import exponential, orthonormalised, skew
 from fenics_defo.runtime.floating.state import FloatingState
+from fenics_defo.runtime.forces.force_law import ForceLaw
 
 Array = NDArray[np.float64]
 
@@ -37,33 +39,6 @@ class NewtonSettings:
     most: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Linearised:
-    """Equations of the end of a step about an iterate: residuals and their derivatives.
-
-    Args:
-        shape: residual of q (..., r).
-        spin: residual of the angular momentum (..., 3).
-        shape_by_q: (..., r, r).
-        shape_by_spin: (..., r, 3).
-        spin_by_q: (..., 3, r).
-        spin_by_spin: (..., 3, 3).
-        terms: what the two residuals are sums of.
-    """
-
-    shape: Array
-    spin: Array
-    shape_by_q: Array
-    shape_by_spin: Array
-    spin_by_q: Array
-    spin_by_spin: Array
-    terms: tuple[tuple[Array, ...], tuple[Array, ...]]
-
-    def excess(self) -> float:
-        """Largest residual relative to the largest term [-]."""
-        return max(_excess(self.shape, self.terms[0]), _excess(self.spin, self.terms[1]))
-
-
 class FloatingStep:
     """Steps of equal length h of a floating body.
 
@@ -79,7 +54,7 @@ class FloatingStep:
     constant rates would make of it: second order too.
 
     Args:
-        law: elastic force of q: a force law.
+        law: elastic force of q.
         inertia: of the body.
         mass: of the body [kg].
         damping: (alpha [1/s], beta [s]); C = alpha M + beta K(q) acts on the rates of q.
@@ -90,7 +65,7 @@ class FloatingStep:
 
     def __init__(
         self,
-        law: Any,
+        law: ForceLaw,
         inertia: Inertia,
         *,
         mass: float,
@@ -110,30 +85,18 @@ class FloatingStep:
 
     def begun(self, state: FloatingState, loads: Loads) -> FloatingState:
         """A state with the rates that its loads, acting from now, give it."""
-        at = self.inertia.at(state.q)
-        push, moment = self._push(state.q, state.v, state.spin, at, state.rotation, loads)
+        q, v, spin = state.q, state.v, state.spin
+        force, stiffness = self._evaluator.force_and_stiffness(q)
+        loaded = loads.at(q, state.rotation)
+        slope = self.inertia.at(q).inertia_slope(spin)
+        inertial = by(spin, self.inertia.gyroscopic_rows(v) + 0.5 * slope)
+        damping = times(self._alpha * self.inertia.mass + self._beta * stiffness, v)
         return replace(
             state,
-            push=push,
-            moment=_times(state.rotation, moment),
+            push=inertial - force - damping + loaded.push,
+            moment=times(state.rotation, loaded.moment),
             force=loads.resultant(self._mass),
         )
-
-    def _push(
-        self,
-        q: Array,
-        v: Array,
-        spin: Array,
-        at: InertiaAtShape,
-        rotation: Array,
-        loads: Loads,
-    ) -> tuple[Array, Array]:
-        """Rate of the momenta of q, and the loads' moment in the frame."""
-        force, stiffness = self._evaluator.force_and_stiffness(q)
-        loaded = loads.at(q, rotation)
-        rows = self.inertia.gyroscopic_rows(v) + 0.5 * at.inertia_slope(spin)
-        damping = _times(self._alpha * self.inertia.mass + self._beta * stiffness, v)
-        return _by(spin, rows) - force - damping + loaded.push, loaded.moment
 
     def advance(self, start: FloatingState, loads: Loads) -> FloatingState:
         """The state one step later, under loads that act at its end.
@@ -150,7 +113,7 @@ class FloatingStep:
             now = self._linearised(start, half, q, spin, bent, loads)
             if newton.iterations is None and iteration and now.excess() <= newton.tolerance:
                 break
-            change, turn = _solved(now)
+            change, turn = now.solved()
             q, spin = q + change, spin + turn
             bent = q
         else:
@@ -168,7 +131,7 @@ class FloatingStep:
         spin: Array,
         bent: Array,
         loads: Loads,
-    ) -> _Linearised:
+    ) -> LinearisedStep:
         """The equations about q and spin, with the elastic force linear about ``bent``."""
         h, inertia = self._h, self.inertia
         v = (2.0 / h) * (q - start.q) - start.v
@@ -177,20 +140,20 @@ class FloatingStep:
         gyro, softening = inertia.turning(spin)
         force, stiffness = self._evaluator.force_and_stiffness(bent)
         rotation, jacobian = self._turned(start, spin)
-        angular = _times(np.swapaxes(rotation, -1, -2), half)
+        angular = times(np.swapaxes(rotation, -1, -2), half)
         loaded = loads.at(q, rotation)
-        momenta = _times(inertia.mass, v) + _by(spin, at.coupling)
-        elastic = force if bent is q else force + _times(stiffness, q - bent)
-        damping = _times(self._alpha * inertia.mass + self._beta * stiffness, v)
+        momenta = times(inertia.mass, v) + by(spin, at.coupling)
+        elastic = force if bent is q else force + times(stiffness, q - bent)
+        damping = times(self._alpha * inertia.mass + self._beta * stiffness, v)
         inertial = (2.0 / h) * (momenta - start.momenta) - start.push
-        shape = inertial - _by(spin, rows + 0.5 * slope) + elastic + damping - loaded.push
-        carried, deforming = _times(at.inertia, spin), _times(at.coupling, v)
+        shape = inertial - by(spin, rows + 0.5 * slope) + elastic + damping - loaded.push
+        carried, deforming = times(at.inertia, spin), times(at.coupling, v)
         turning = carried + deforming - angular - 0.5 * h * loaded.moment
         terms = (elastic, damping, loaded.push, start.push, (2.0 / h) * momenta)
         by_q = self._heavy + self._stiff * stiffness - (4.0 / h) * gyro - softening
         push_turn, moment_q, moment_turn = self._slopes(loads, loaded)
         reach = 0.5 * h * jacobian
-        return _Linearised(
+        return LinearisedStep(
             shape,
             turning,
             by_q,
@@ -218,9 +181,9 @@ class FloatingStep:
         h = self._h
         v = (2.0 / h) * (q - start.q) - start.v
         at = self.inertia.at(q)
-        found = _times(self.inertia.mass, v) + _by(spin, at.coupling)
+        found = times(self.inertia.mass, v) + by(spin, at.coupling)
         spin, rotation, moment = self._spun(start, half, q, v, spin, at, loads)
-        moment = _times(rotation, moment)
+        moment = times(rotation, moment)
         force = loads.resultant(self._mass)
         velocity = start.velocity + (0.5 * h / self._mass) * (start.force + force)
         return FloatingState(
@@ -232,7 +195,7 @@ class FloatingStep:
             q=q,
             v=v,
             angular=half + 0.5 * h * moment,
-            momenta=_times(self.inertia.mass, v) + _by(spin, at.coupling),
+            momenta=times(self.inertia.mass, v) + by(spin, at.coupling),
             push=(2.0 / h) * (found - start.momenta) - start.push,
             force=force,
             moment=moment,
@@ -250,16 +213,16 @@ class FloatingStep:
     ) -> tuple[Array, Array, Array]:
         """Spin, rotation and the loads' moment that make up the angular momentum at the end."""
         h = self._h
-        deforming = _times(at.coupling, v)
+        deforming = times(at.coupling, v)
         for _ in range(_SPIN_ITERATIONS):
             rotation, jacobian = self._turned(start, spin)
             angular, loaded = self._carried(half, q, rotation, loads)
-            rest = _times(at.inertia, spin) + deforming - angular - 0.5 * h * loaded.moment
+            rest = times(at.inertia, spin) + deforming - angular - 0.5 * h * loaded.moment
             reach = skew(angular) + 0.5 * h * self._slopes(loads, loaded)[2]
             slope = at.inertia - reach @ (0.5 * h * jacobian)
             change = np.linalg.solve(slope, rest[..., None])[..., 0]
             spin = spin - change
-            turn = 0.5 * h * _times(jacobian, change)
+            turn = 0.5 * h * times(jacobian, change)
             if np.abs(turn).max() <= _SMALL_TURN:
                 rotation = orthonormalised(rotation - rotation @ skew(turn))
                 angular, loaded = self._carried(half, q, rotation, loads)
@@ -272,32 +235,4 @@ class FloatingStep:
         self, half: Array, q: Array, rotation: Array, loads: Loads
     ) -> tuple[Array, LoadsAtShape]:
         """Angular momentum from the first half of the step, and the loads, in the frame."""
-        return _times(np.swapaxes(rotation, -1, -2), half), loads.at(q, rotation)
-
-
-def _solved(at: _Linearised) -> tuple[Array, Array]:
-    """Changes of q and of the spin: elimination of q, then three equations."""
-    right = np.concatenate([at.shape[..., None], at.shape_by_spin], axis=-1)
-    answer = np.linalg.solve(at.shape_by_q, right)
-    alone, along = answer[..., :1], answer[..., 1:]
-    reduced = at.spin_by_spin - at.spin_by_q @ along
-    turn = np.linalg.solve(reduced, at.spin_by_q @ alone - at.spin[..., None])
-    return -(alone + along @ turn)[..., 0], turn[..., 0]
-
-
-def _times(matrix: Array, vector: Array) -> Array:
-    """Matrices (..., m, n) times vectors (..., n)."""
-    return np.asarray((matrix @ vector[..., None])[..., 0])
-
-
-def _by(vector: Array, rows: Array) -> Array:
-    """Rows (..., 3, r) summed by the components of vectors (..., 3)."""
-    return np.asarray((vector[..., None, :] @ rows)[..., 0, :])
-
-
-def _excess(residual: Array, terms: tuple[Array, ...]) -> float:
-    """Largest norm of a residual (..., k) relative to the largest of its terms."""
-    size = np.sqrt((residual * residual).sum(axis=-1))
-    scale = np.sqrt(np.max([(term * term).sum(axis=-1) for term in np.broadcast_arrays(*terms)], 0))
-    ratio = np.divide(size, scale, out=np.array(size), where=scale > 0.0)
-    return float(np.max(ratio))
+        return times(np.swapaxes(rotation, -1, -2), half), loads.at(q, rotation)

@@ -11,6 +11,7 @@ from mass_clouds import Array, Cloud, cloud
 from fenics_defo.errors import DefoError, DivergenceError, LoadError, SolverError, StepSizeError
 from fenics_defo.runtime import CubicForce, FloatingBody, Outputs, ReducedModel, load
 from fenics_defo.runtime.floating import rotations
+from fenics_defo.runtime.integrators import ImplicitNewmark
 
 SPIN = np.array([0.3, 2.0, 0.4])
 VELOCITY = np.array([0.5, -0.2, 1.0])
@@ -20,7 +21,7 @@ each_newton = pytest.mark.parametrize("newton", [1, 2, None])
 each_coupling = pytest.mark.parametrize("coupling", ["full", "none"])
 
 
-def flying(body: Cloud, *, step: float = 0.02, **options: Any) -> FloatingBody:
+def flying(body: Any, *, step: float = 0.02, **options: Any) -> FloatingBody:
     """The body thrown, turning and vibrating."""
     motion = {"rotation": TURN, "velocity": VELOCITY, "angular_velocity": SPIN, "q": Q, "v": V}
     return FloatingBody(body, step=step, **(motion | options))
@@ -121,30 +122,23 @@ def test_there_and_back() -> None:
     assert back.position == pytest.approx(body.frame.centre, abs=1e-10)
 
 
-def newmark(body: Cloud, load: Array, step: float, count: int) -> Array:
-    """Average acceleration for M q'' + (alpha M + beta K) q' + K q = load, from Q and V."""
-    alpha, beta = body.damping
-    mass, stiffness = np.eye(4), body.law.linear
-    damping = alpha * mass + beta * stiffness
-    q, v = Q, V
-    a = load - damping @ v - stiffness @ q
-    matrix = 4.0 / step**2 * mass + 2.0 / step * damping + stiffness
-    for _ in range(count):
-        right = load + mass @ (4.0 / step**2 * q + 4.0 / step * v + a)
-        end = np.linalg.solve(matrix, right + damping @ (2.0 / step * q + v))
-        rate = 2.0 / step * (end - q) - v
-        a, q, v = 2.0 / step * (rate - v) - a, end, rate
-    return q
-
-
 @each_newton
 def test_without_rotation_it_is_newmark(newton: int | None) -> None:
     """With no coupling the spin does not matter; nor does Rayleigh's damping for the flight."""
-    body = replace(cloud(), damping=(0.3, 0.01))
-    load = np.array([1.0, -2.0, 0.5, 0.0])
-    expected = newmark(body, load, 0.05, 60)
-    flyer = run(flying(body, step=0.05, newton=newton, coupling="none"), 60, load=load)
-    assert flyer.q == pytest.approx(expected, abs=1e-12)
+    rng = np.random.default_rng(9)
+    law = CubicForce.from_unique(20.0 * np.eye(4), 3.0 * rng.normal(size=20), np.ones(35))
+    body = cloud()
+    model = ReducedModel(law=law, mass=np.eye(4), frame=body.frame, damping=(0.3, 0.01))
+    first, load = np.array([0.2, 0.0, -0.4, 0.1]), np.array([1.0, -2.0, 0.5, 0.0])
+    settings: dict[str, Any] = {"step": 0.05, "newton": newton, "newton_tolerance": 1e-12}
+    held = ImplicitNewmark(model, q=Q, v=V, load=first, **settings)
+    flyer = flying(model, coupling="none", **settings)
+    flyer.begin(first)
+    for _ in range(60):
+        held.advance(load)
+        flyer.advance(load)
+    assert flyer.q == pytest.approx(held.q, abs=1e-11)
+    assert flyer.v == pytest.approx(held.v, abs=1e-11)
     assert flyer.velocity == pytest.approx(VELOCITY, abs=1e-15)
 
 
@@ -319,6 +313,11 @@ def test_loads_out_of_range(loads: dict[str, Any], words: str) -> None:
     with pytest.raises(LoadError, match=words):
         flyer.advance(**loads)
     assert flyer.steps == 0
+    flyer.begin(gravity=(0.0, 0.0, 1.0))
+    flyer.advance()
+    assert flyer.velocity == pytest.approx([0.0, 0.0, 0.05], abs=1e-15)
+    with pytest.raises(DefoError, match="has begun 1 steps ago"):
+        flyer.begin()
 
 
 def test_a_held_body_cannot_fly() -> None:

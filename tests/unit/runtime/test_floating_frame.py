@@ -9,7 +9,7 @@ import pytest
 from mass_clouds import cloud
 
 from fenics_defo.runtime import read_archive, write_archive
-from fenics_defo.runtime.floating import FRAME_ARRAYS, FRAME_UNITS, FloatingFrame
+from fenics_defo.runtime.floating import FloatingFrame
 
 
 def test_inertia_at_rest() -> None:
@@ -32,12 +32,12 @@ def test_axis_defect() -> None:
 
 def test_there_and_back_through_a_file(tmp_path: Path) -> None:
     frame, path = cloud(tisserand=False).frame, tmp_path / "frame.npz"
-    write_archive(path, frame.arrays(), kind="frame", version=1, units=FRAME_UNITS)
-    arrays = read_archive(path, kind="frame", version=1, required=FRAME_ARRAYS)
+    write_archive(path, frame.arrays(), kind="frame", version=1, units=FloatingFrame.UNITS)
+    arrays = read_archive(path, kind="frame", version=1, required=FloatingFrame.ARRAYS)
     again = FloatingFrame.from_arrays(arrays)
     for name, array in frame.arrays().items():
         assert np.array_equal(array, again.arrays()[name]), name
-    assert set(FRAME_UNITS) == set(FRAME_ARRAYS) == set(frame.arrays())
+    assert set(FloatingFrame.UNITS) == set(FloatingFrame.ARRAYS) == set(frame.arrays())
 
 
 def test_arrays_cannot_be_written() -> None:
