@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from fenics_defo.energy import LinearElastic, StVenantKirchhoff
 from fenics_defo.errors import SceneError
 from fenics_defo.fem import Solid
+from fenics_defo.reduction.reducing import check_force
 from fenics_defo.scene.records import Scene
 
 BASES = ("linear", "modal-derivatives", "snapshots")
@@ -73,19 +74,22 @@ class Recipe:
         if size is None and share is None and basis != "linear":
             # All that is not round-off, but no more than that.
             size, share = SIZE, 1.0
-        force = self.force or _force(scene, solid)
+        force = _force(scene, solid, self.force)
         return replace(self, basis=basis, modes=modes, size=size, share=share, force=force)
 
 
-def _force(scene: Scene, solid: Solid) -> str:
-    if solid.is_linear:
+def _force(scene: Scene, solid: Solid, asked: str | None) -> str:
+    """The force law, checked before anything is computed."""
+    if asked is not None:
+        check_force(asked)
+    if asked is None and solid.is_linear:
         return "linear"
     laws = solid.materials.values() if isinstance(solid.materials, dict) else [solid.materials]
     others = [law for law in laws if not isinstance(law, StVenantKirchhoff | LinearElastic)]
-    if not others:
-        return "cubic"
+    if asked not in (None, "cubic") or not others:
+        return asked or "cubic"
     raise SceneError(
-        f"{scene.path}: [[material]]: no reduced forces are exact for {type(others[0]).__name__}; "
+        f"{scene.path}: [[material]]: cubic forces are not exact for {type(others[0]).__name__}; "
         "choose --force taylor, the third-order Taylor polynomial at rest, or --force linear for "
         'small displacements, or the law "st-venant-kirchhoff"'
     )
