@@ -24,8 +24,6 @@ from fenics_defo.runtime.forces import (
 from fenics_defo.runtime.metadata import json_text, parse_mapping
 from fenics_defo.runtime.outputs import Outputs, Probe
 
-Array = NDArray[np.float64]
-
 KIND = "reduced model"
 VERSION = 1
 
@@ -88,6 +86,7 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
             f"{path}: a force law of the kind {law.kind!r} cannot be stored; the kinds that can "
             f"are {', '.join(FORCE_LAWS)}."
         )
+    probes, loads, r = fields["probes"], fields["loads"], law.size
     arrays: dict[str, NDArray[Any]] = {
         "format_version": np.array(VERSION),
         "force": np.array(law.kind),
@@ -100,7 +99,11 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
         "cells": outputs.cells,
         "cell_type": np.array(outputs.cell_type),
         "gravity": fields["gravity_rows"],
-        **_arrays_by_name(fields["loads"], fields["probes"], law.size),
+        "load_names": np.array(list(loads), dtype=np.str_),
+        "loads": np.array(list(loads.values())).reshape(-1, r),
+        "probe_names": np.array(list(probes), dtype=np.str_),
+        "probe_points": np.array([probe.point for probe in probes.values()]).reshape(-1, 3),
+        "probe_shapes": np.array([probe.shapes for probe in probes.values()]).reshape(-1, 3, r),
         "provenance": np.array(json_text(fields["provenance"])),
         "certificate": np.array(json_text(fields["certificate"])),
     }
@@ -110,18 +113,6 @@ def write_model(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None
         name: unit for name, unit in {**_UNITS, **FloatingFrame.UNITS}.items() if name in arrays
     }
     write_archive(path, arrays, kind=KIND, version=VERSION, units=units)
-
-
-def _arrays_by_name(
-    loads: Mapping[str, Array], probes: Mapping[str, Probe], r: int
-) -> dict[str, NDArray[Any]]:
-    return {
-        "load_names": np.array(list(loads), dtype=np.str_),
-        "loads": np.array(list(loads.values())).reshape(-1, r),
-        "probe_names": np.array(list(probes), dtype=np.str_),
-        "probe_points": np.array([probe.point for probe in probes.values()]).reshape(-1, 3),
-        "probe_shapes": np.array([probe.shapes for probe in probes.values()]).reshape(-1, 3, r),
-    }
 
 
 def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
