@@ -3,7 +3,7 @@
     python workflows/spoon.py [--output DIR] [--quick]
 
 The spoon of ``meshes/spoon.py``, of a soft plastic, is held at the handle's end and pushed down at
-the bowl until it has bent by half its length, then let go. Reduced models: the vibration modes alone with a linear
+the bowl until it has bent far, then let go. Reduced models: the vibration modes with a linear
 force; the same with the exact cubic force of St. Venant-Kirchhoff; and 12 columns of 6 modes and
 their derivatives with the cubic force, as in Barbič's course (SIGGRAPH 2012, part 2), where a spoon
 of 11,094 dofs with k = 6 and r = 12 ran 50,000 times faster than the full simulation.
