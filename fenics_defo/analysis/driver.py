@@ -52,7 +52,8 @@ def simulate(
         damping: (alpha [1/s], beta [s]).
         newton: iterations a step; None: until ``newton_tolerance``.
         newton_tolerance: relative residual [-].
-        newton_iterations: most iterations.
+        newton_iterations: most iterations of converged Newton with full steps; the search that
+            is tried after them may take three times as many.
         linear: linear solver.
         linear_tolerance: relative residual [-].
         initial: displacement and velocity at time zero.
@@ -60,14 +61,15 @@ def simulate(
         probes: points at rest [m] by name.
         max_halvings: how often a failed step may be halved.
         allow_unstable: go on beyond an explicit method's limit.
-        energies_every: record energies each so many steps; 0: never (they cost an assembly).
+        energies_every: record energies each so many steps; 0: never (they cost an assembly, which
+            the watch on their balance takes every few steps only).
         observe: called with the simulation at the start and after each step.
 
     Returns:
         times, probes, energies, the last state and a report a step.
 
     Raises:
-        DivergenceError: a step failed however often it was halved.
+        DivergenceError: a step failed however often it was halved, or the energy has run away.
         LoadError: loads or prescribed motions that this body cannot take.
         StepSizeError: a step that is not positive, or beyond an explicit method's limit.
         SelectionError: a region that the mesh does not have.
@@ -132,6 +134,7 @@ def _run(
             energies.append((simulation.time, *astuple(simulation.energies)))
         if observe is not None:
             observe(simulation)
+    simulation.check_energy()
     columns = np.array(energies).reshape(-1, 5).T
     return Motion(
         times=times,
@@ -139,4 +142,6 @@ def _run(
         energies=EnergyRecord(*columns),
         state=simulation.state,
         reports=tuple(reports),
+        energy_error=simulation.energy_error,
+        energy_gain=simulation.energy_gain,
     )

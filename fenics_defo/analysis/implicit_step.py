@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.analysis.instant import Instant, Rule, StepFailure
+from fenics_defo.analysis.line_search import flatter
 from fenics_defo.errors import SolverError
 
 if TYPE_CHECKING:
@@ -23,8 +24,13 @@ _ROUND_OFF = 10.0
 # A residual that grows beyond this multiple of the first will not come back.
 _HOPELESS = 1e10
 _CUTS = 12
-# The slope along a search direction must fall to this part of what it was.
-_SLOPE = 0.7
+# A search may take so many times as many iterations: far from a solution, or with a definite matrix
+# for an indefinite derivative, they gain a digit in three or four.
+_PATIENCE = 3
+# Convergence slower than this is worth another tangent, which knows how the damping changes.
+_SLOW = 0.1
+# What an indefinite matrix is stiffened by first, as a part of its diagonal, and how much more.
+_STIFFEN, _STIFFEN_MORE, _STIFFENINGS = 0.1, 4.0, 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +74,19 @@ class _Balance:
     scale: float
 
 
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """How Newton's method goes about a step.
+
+    Args:
+        search: along directions of descent, instead of full steps.
+        ahead: with β K'(u) v in the matrix as soon as convergence is slow.
+    """
+
+    search: bool
+    ahead: bool
+
+
 class ImplicitStep:
     """The equations at the end of one step, with the displacement there unknown; collective.
 
@@ -91,6 +110,8 @@ class ImplicitStep:
         if not rule.acceleration_rate > 0.0:
             self._rates = None  # without inertia, nothing has a rate
         self._first_scale = 0.0
+        self._stiffening = 0.0
+        self._is_slow = False
         self._to_come = constraints.moving  # whether what is prescribed is still where it was
 
     def run(self) -> Instant:
@@ -99,22 +120,37 @@ class ImplicitStep:
         Raises:
             StepFailure: it was not found.
         """
-        newton, residuals = self._system.settings.newton, list[float]()
+        residuals: list[float] = []
+        ways = self._ways()
         try:
-            try:
-                return self._newton(residuals, search=False)
-            except StepFailure:
-                # Bending wants full steps, compression a search: the second is tried second.
-                if newton.iterations is not None:
-                    raise
+            for way in ways:
                 residuals.clear()
-                return self._newton(residuals, search=True)
-        except StepFailure as failure:
-            raise StepFailure(failure.reason, tuple(residuals)) from failure
+                try:
+                    return self._newton(residuals, way)
+                except StepFailure as failure:
+                    if way is ways[-1] or failure.lasting:
+                        raise StepFailure(
+                            failure.reason, tuple(residuals), lasting=failure.lasting
+                        ) from failure
+            raise AssertionError("there is a last way")
         finally:
             self._system.residuals = tuple(residuals)
 
-    def _newton(self, residuals: list[float], *, search: bool) -> Instant:
+    def _ways(self) -> tuple[_Way, ...]:
+        """Ways to iterate, one tried after the other has failed.
+
+        Bending wants full steps, compression a search. The change of the damping's stiffness makes
+        Newton's order quadratic again, and where that stiffness is indefinite, the matrix too.
+        """
+        system = self._system
+        if system.settings.newton.iterations is not None:
+            return (_Way(search=False, ahead=False),)
+        plain, searching = _Way(search=False, ahead=False), _Way(search=True, ahead=False)
+        if not system.damping_changes:
+            return plain, searching
+        return _Way(search=False, ahead=True), plain, searching
+
+    def _newton(self, residuals: list[float], way: _Way) -> Instant:
         system, newton = self._system, self._system.settings.newton
         u, self._to_come = self._start.displacement, system.constraints.moving
         system.linearise(u)
@@ -122,13 +158,18 @@ class ImplicitStep:
         self._first_scale = balance.scale
         residuals.append(_ratio(balance.size, balance.scale))
         most = newton.most if newton.iterations is None else newton.iterations
+        most *= _PATIENCE if way.search else 1
+        self._is_slow = False
         for iteration in range(most):
             if newton.iterations is None and iteration and self._is_solved(u, balance):
                 return self._end(u, balance)
-            direction = self._direction(u, balance)
-            u = self._moved(u, direction, balance, search=search and not self._to_come)
+            if way.search and not self._to_come:
+                u = self._searched(u, balance)
+            else:
+                u = self._stepped(u, self._direction(u, balance))
             system.linearise(u)
-            balance = self._balance(u)
+            before, balance = balance.size, self._balance(u)
+            self._is_slow = way.ahead and (self._is_slow or balance.size > _SLOW * before)
             residuals.append(_ratio(balance.size, balance.scale))
             if not balance.size <= _HOPELESS * max(self._first_scale, balance.scale):
                 raise StepFailure("the residual grew without bound or is no number")
@@ -190,7 +231,7 @@ class ImplicitStep:
         diagonal = system.tangents.diagonal() * system.free
         return _ROUND_OFF * _EPS * system.norm(diagonal * (np.abs(u) + cell))
 
-    def _direction(self, u: Array, balance: _Balance) -> Array:
+    def _direction(self, u: Array, balance: _Balance, *, stiffening: float = 0.0) -> Array:
         """Solve for the change of the displacement."""
         system, rule = self._system, self._rule
         right_side, change = -balance.residual, None
@@ -208,7 +249,15 @@ class ImplicitStep:
         system.newton_iterations += 1
         try:
             with system.phases("factorise"):
-                system.tangents.prepare(scale, mass_scale, system.loads, self._time, local)
+                system.tangents.prepare(
+                    scale,
+                    mass_scale,
+                    system.loads,
+                    self._time,
+                    local,
+                    ahead=system.ahead(u, balance.velocity) if self._is_slow else None,
+                    stiffening=stiffening,
+                )
             with system.phases("solve"):
                 if follows and system.settings.newton.iterations is None:
                     direction, iterations = system.tangents.solve_unsymmetric(
@@ -217,35 +266,60 @@ class ImplicitStep:
                 else:
                     direction, iterations = system.tangents.solve(right_side)
         except SolverError as error:
-            raise StepFailure(str(error)) from error
+            # In statics the tangent at the start is that of any part of the load.
+            lasting = u is self._start.displacement and not rule.acceleration_rate > 0.0
+            raise StepFailure(str(error), lasting=lasting) from error
         system.linear_iterations += iterations
         return direction if change is None else direction + change
 
-    def _moved(self, u: Array, direction: Array, balance: _Balance, *, search: bool) -> Array:
-        """The next iterate: a full step, or less where that leads to infinity or, searching, up.
-
-        A search goes for where the residual is orthogonal to the direction: the least potential
-        along it, if there is one.
-        """
+    def _stepped(self, u: Array, direction: Array) -> Array:
+        """The next iterate: a full step, or less where that leads to infinity."""
         system, length = self._system, 1.0
-        slope = system.product(direction, balance.residual)
-        if search and slope > 0.0:  # uphill, for the matrix was not positive definite
-            direction, slope = -direction, -slope
         for _ in range(_CUTS):
             trial = u + length * direction
             if self._to_come and length == 1.0:  # without the round-off of the sum
                 system.with_prescribed(self._time, trial)
-            force = system.internal_force(trial) if search else system.linearise(trial)
-            if not system.is_finite(force):
-                length *= 0.5
-                continue
-            ahead = system.product(direction, self._balance(trial).residual) if search else 0.0
-            if ahead <= _SLOPE * abs(slope):
+            if system.is_finite(system.linearise(trial)) and system.has_energy(trial):
                 self._to_come = self._to_come and length < 1.0
                 return trial
-            # Regula falsi between here and there, kept off both ends.
-            length *= min(max(slope / (slope - ahead), 0.1), 0.6)
-        raise StepFailure("no step along Newton's direction leads to finite, smaller forces")
+            length *= 0.5
+        raise StepFailure("no step along Newton's direction leads to finite forces and energy")
+
+    def _searched(self, u: Array, balance: _Balance) -> Array:
+        """The next iterate along a direction of descent, where the residual is orthogonal to it.
+
+        That is the least potential along it, if there is one.
+        """
+        system = self._system
+        direction = self._downhill(u, balance)
+
+        def slope_at(length: float) -> float:
+            trial = u + length * direction
+            if not (system.is_finite(system.internal_force(trial)) and system.has_energy(trial)):
+                return math.inf
+            return system.product(direction, self._balance(trial).residual)
+
+        length = flatter(system.product(direction, balance.residual), slope_at)
+        if length is None:
+            raise StepFailure("no step along Newton's direction leads to smaller forces")
+        return u + length * direction
+
+    def _downhill(self, u: Array, balance: _Balance) -> Array:
+        """A direction of descent, of a matrix that is stiffened until it is definite."""
+        system, stiffening = self._system, self._stiffening
+        for trial in range(_STIFFENINGS):
+            try:
+                direction = self._direction(u, balance, stiffening=stiffening)
+            except StepFailure as failure:  # what conjugate gradients say of such a matrix
+                if failure.lasting or trial == _STIFFENINGS - 1:
+                    raise
+            else:
+                descends = system.product(direction, balance.residual) < 0.0
+                if descends and system.tangents.definite is not False:
+                    break
+            stiffening = max(_STIFFEN_MORE * stiffening, _STIFFEN)
+        self._stiffening = stiffening / _STIFFEN_MORE if stiffening > _STIFFEN else 0.0
+        return direction
 
     def _end(self, u: Array, balance: _Balance) -> Instant:
         system = self._system

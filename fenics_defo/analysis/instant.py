@@ -14,12 +14,16 @@ class StepFailure(Exception):
     Args:
         reason: a clause that says why.
         residuals: relative residuals of Newton's iterations.
+        lasting: whether a shorter step would fail in the same way.
     """
 
-    def __init__(self, reason: str, residuals: tuple[float, ...] = ()) -> None:
+    def __init__(
+        self, reason: str, residuals: tuple[float, ...] = (), *, lasting: bool = False
+    ) -> None:
         super().__init__(reason)
         self.reason = reason
         self.residuals = residuals
+        self.lasting = lasting
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,10 +7,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fenics_defo.analysis.frequency_bound import largest_frequency
+from fenics_defo.analysis.energy_watch import EnergyWatch
 from fenics_defo.analysis.implicit_step import NewtonSettings
 from fenics_defo.analysis.initial import Initial
-from fenics_defo.analysis.instant import Forces, Instant, StepFailure
+from fenics_defo.analysis.instant import Instant, StepFailure
 from fenics_defo.analysis.integrators.integrator import Integrator
 from fenics_defo.analysis.integrators.quasi_static import QuasiStatic
 from fenics_defo.analysis.loads import Load
@@ -19,20 +19,19 @@ from fenics_defo.analysis.prescribed import Prescribed
 from fenics_defo.analysis.probes import Probes
 from fenics_defo.analysis.requests import check_request
 from fenics_defo.analysis.states import Energies, State, StepReport, Substep
+from fenics_defo.analysis.step_limit import StepLimit
 from fenics_defo.analysis.substeps import run_substeps
 from fenics_defo.analysis.supports import check_supported
 from fenics_defo.analysis.system import System, SystemSettings
 from fenics_defo.analysis.work import Work
-from fenics_defo.errors import LoadError, StepSizeError
+from fenics_defo.errors import DivergenceError, LoadError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.linear_solvers import Kind
 
 Array = NDArray[np.float64]
 
-# Steps of an explicit method after which its limit is looked at again: a stretched body is stiffer.
-_LIMIT_EVERY = 256
-# Steps after which it is looked at whether the motion grows by itself: cheap.
-_GROWTH_EVERY = 4
+# Explicit steps after which it is looked at whether the user's own energy is a number.
+_ENERGY_EVERY = 8
 
 
 class Simulation:
@@ -51,7 +50,8 @@ class Simulation:
         newton: number of Newton iterations a step; 1 is semi-implicit: one linearised solve a step,
             whose residual is reported, not judged. None iterates until ``newton_tolerance`` is met.
         newton_tolerance: of converged Newton: largest ‖r‖ / max(‖M a‖, ‖C v‖, ‖f‖, ‖g‖) [-].
-        newton_iterations: most iterations of converged Newton.
+        newton_iterations: most iterations of converged Newton with full steps; the search that
+            is tried after them may take three times as many.
         linear: solver of the linear systems: "cholesky", "pcg-jacobi" or "pcg-amg".
         linear_tolerance: relative residual of conjugate gradients [-].
         initial: displacement and velocity at time zero.
@@ -103,16 +103,18 @@ class Simulation:
         self.integrator = integrator
         self.step = float(step)
         self._halvings = max_halvings
-        self._allow_unstable = allow_unstable
         self._system = System(solid, loads, prescribed, settings, phases=phases)
+        self._limit = StepLimit(self._system, integrator, self.step, allow_unstable=allow_unstable)
+        self._watch: EnergyWatch | None = None
+        self._energies: tuple[Instant, Energies] | None = None
         if isinstance(integrator, QuasiStatic):
             check_supported(solid, self._system.constraints.bound)
         self._probes = Probes(solid, probes or {})
         self._work = Work(self._system, integrator.end_weight)
         self._origin, self._steps, self._since_origin = 0.0, 0, 0
-        self._critical: float | None = None
+        self._is_asked = False
         self._now = self._begin(initial or Initial())
-        self._check_limit()
+        self._limit.check(self._now)
 
     @property
     def time(self) -> float:
@@ -130,14 +132,7 @@ class Simulation:
 
         Collective at first.
         """
-        if self._critical is None:
-            self._critical = math.inf
-            if self.integrator.explicit:
-                system = self._system
-                local = system.local(self._now.displacement)
-                omega = largest_frequency(self.solid, local, system.free)
-                self._critical = self.integrator.critical_step(omega, system.settings.damping)
-        return self._critical
+        return self._limit.at(self._now)
 
     @property
     def state(self) -> State:
@@ -153,19 +148,73 @@ class Simulation:
 
     @property
     def energies(self) -> Energies:
-        """Energies of the last good state; collective, assembles the strain energy."""
-        system, now = self._system, self._now
-        return Energies(
-            kinetic=0.5 * system.product(now.velocity, system.mass.apply(now.velocity)),
-            strain=self.solid.assembly.energy(system.local(now.displacement)),
-            external=self._work.external,
-            dissipated=self._work.dissipated,
-        )
+        """Energies of the last good state; collective, assembles the strain energy.
+
+        Who asks after each step has the balance looked at after each, see `energy_error`.
+        """
+        self._is_asked = True
+        return self._energies_now()
 
     @property
-    def definite(self) -> bool | None:
-        """Whether the last matrix solved with was positive definite; None if nothing can tell."""
-        return None if self.integrator.explicit else self._system.tangents.definite
+    def energy_error(self) -> float | None:
+        """Largest error of the energy balance so far over all energy put in [-]; collective.
+
+        Of kinetic + strain + dissipated - external since the start or `restore`, gained or lost,
+        over the energy at the start and the largest work done since, see `EnergyWatch`. Looked at
+        now, and every few steps before. None for equilibria, which have no motion.
+        """
+        watch = self._watched()
+        if watch is not None:
+            watch.look(self._now, self._energies_now())
+        return None if watch is None else watch.error
+
+    @property
+    def energy_gain(self) -> float | None:
+        """As `energy_error`, of what was gained: above 1 the motion has run away; collective."""
+        return None if self.energy_error is None or self._watch is None else self._watch.gain
+
+    def check_energy(self) -> None:
+        """Look at the energy balance now, which `advance` does every few steps; collective.
+
+        Raises:
+            DivergenceError: the energy has run away, or is no number.
+        """
+        watch = self._watched()
+        if watch is not None:
+            watch.judge(
+                self._now,
+                self._energies_now(),
+                limit=self._limit.at(self._now),
+                lenient=self._limit.allow_unstable,
+            )
+
+    def _watched(self) -> EnergyWatch | None:
+        if isinstance(self.integrator, QuasiStatic):
+            return None
+        if self._watch is None:
+            self._watch = EnergyWatch(
+                self._system, self.integrator, self.step, self._now, self._energies_now()
+            )
+        return self._watch
+
+    def _energies_now(self) -> Energies:
+        system, now = self._system, self._now
+        if self._energies is None or self._energies[0] is not now:
+            energies = Energies(
+                kinetic=0.5 * system.product(now.velocity, system.mass.apply(now.velocity)),
+                strain=system.strain_energy(now.displacement),
+                external=self._work.external,
+                dissipated=self._work.dissipated,
+            )
+            self._energies = (now, energies)
+        return self._energies[1]
+
+    def is_definite(self) -> bool | None:
+        """Whether the tangent of the loads and forces at the last good state is positive definite.
+
+        None if the linear solver cannot tell; collective, factorises it.
+        """
+        return self._system.is_definite(self._now)
 
     @property
     def probe_names(self) -> tuple[str, ...]:
@@ -210,12 +259,12 @@ class Simulation:
             how it went.
 
         Raises:
-            DivergenceError: it failed however often it was halved; the last good state, maybe part
-                of a step on, stands.
+            DivergenceError: it failed however often it was halved, or the energy has run away (see
+                `EnergyWatch`); the last good state, maybe part of a step on, stands.
             StepSizeError: an explicit method's limit has fallen below the step.
         """
-        if self._since_origin and self._since_origin % _LIMIT_EVERY == 0:
-            self._look_again()
+        self._limit.check_now_and_then(self._now, self._since_origin)
+        watch, good = self._watched(), (self._now, self._work.external, self._work.dissipated)
         system = self._system
         system.reset_counters()
         self._substeps: list[Substep] = []
@@ -225,6 +274,13 @@ class Simulation:
             halvings = run_substeps(
                 start, end, advance=self._substep, keep=self._keep, most=self._halvings
             )
+        if watch is not None and (self._is_asked or watch.is_due(self._since_origin + 1)):
+            self._is_asked = False
+            try:
+                self.check_energy()
+            except DivergenceError:
+                self._now, self._work.external, self._work.dissipated = good
+                raise
         self._steps += 1
         self._since_origin += 1
         return StepReport(
@@ -264,8 +320,8 @@ class Simulation:
             # On this simulation's own grid of times: they are to be the same numbers again.
             self._origin, self._since_origin = 0.0, state.step
         self._work.external, self._work.dissipated = energies.external, energies.dissipated
-        self._critical = None
-        self._check_limit()
+        self._watch = self._energies = None
+        self._limit.check(self._now)
 
     def close(self) -> None:
         """Free the matrices and the solver; collective."""
@@ -288,6 +344,8 @@ class Simulation:
             if isinstance(self.integrator, QuasiStatic):
                 return now
             try:
+                if not system.has_energy(u):
+                    raise StepFailure("the strain energy is infinite or no number")
                 return system.free_acceleration(now)
             except StepFailure as failure:
                 raise LoadError(
@@ -324,44 +382,14 @@ class Simulation:
         forces = after.internal + after.damping if system.is_damped else after.internal
         if not system.is_finite(forces):
             raise StepFailure("the forces became infinite or no number", system.residuals)
-        wanted = self.integrator.explicit and not self._allow_unstable
-        if wanted and self._since_origin % _GROWTH_EVERY == 0:
-            self._check_growth(start, reached, after)
+        looks = not self.integrator.explicit or self._since_origin % _ENERGY_EVERY == 0
+        if looks and not system.has_energy(reached.displacement):
+            raise StepFailure("the strain energy became infinite or no number", system.residuals)
+        self._limit.check_growth(start, reached, self._before, after, self._since_origin)
         return reached
-
-    def _check_growth(self, start: Instant, reached: Instant, after: Forces) -> None:
-        """Look at an explicit method's limit again once the motion itself is beyond it.
-
-        A mode that grows soon rules the motion, and then Δu·Δf / Δu·MΔu is its ω².
-        """
-        system = self._system
-        change = reached.displacement - start.displacement
-        stiff = system.product(change, after.internal - self._before.internal)
-        heavy = system.product(change, system.mass.apply(change))
-        squared = stiff / heavy if heavy > 0.0 else 0.0
-        damping = system.settings.damping
-        if squared > 0.0 and (
-            self.integrator.critical_step(math.sqrt(squared), damping) < self.step
-        ):
-            self._look_again()
-
-    def _look_again(self) -> None:
-        if not self._allow_unstable:
-            self._critical = None
-            self._check_limit()
 
     def _keep(self, start: Instant, reached: Instant) -> None:
         self._work.add_step(start, reached, self._before, self._system.forces(reached))
         residuals = () if self.integrator.explicit else self._system.residuals
         self._substeps.append(Substep(reached.time, residuals))
         self._now = reached
-
-    def _check_limit(self) -> None:
-        limit = self.critical_step
-        if self._allow_unstable or self.step <= limit:
-            return
-        raise StepSizeError(
-            f"the step of {self.step:.6g} s is beyond {limit:.6g} s, the largest stable step of "
-            f"{type(self.integrator).__name__} at {self.time:.6g} s; take 0.9 of that, an implicit "
-            "method, fewer slivers in the mesh, or allow_unstable=True"
-        )

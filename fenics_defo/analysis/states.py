@@ -129,6 +129,9 @@ class Motion:
         energies: those recorded.
         state: at the end.
         reports: (k) of them.
+        energy_error: largest error of the energy balance over all energy put in [-], see
+            `Simulation.energy_error`; None for equilibria.
+        energy_gain: the same of what was gained; above 1 would be a runaway [-].
     """
 
     times: Array
@@ -136,6 +139,8 @@ class Motion:
     energies: EnergyRecord
     state: State
     reports: tuple[StepReport, ...]
+    energy_error: float | None
+    energy_gain: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,8 +154,8 @@ class Equilibrium:
         load_factors: (s,) parts of the load at which equilibrium was found, the last one 1.
         residuals: relative residuals of Newton's iterations, one tuple a load factor.
         iterations: linear solves in all.
-        definite: whether the last tangent that was factorised was positive definite, as it is near
-            a stable equilibrium; None if the solver cannot tell.
+        definite: whether its tangent K - dg/du is positive definite, as that of a stable
+            equilibrium is; None if the solver cannot tell.
         inverted_cells: number of cells that are inside out at one of their corners at least.
     """
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from fenics_defo.analysis.applied_loads import as_loads
 from fenics_defo.analysis.histories import Ramp
 from fenics_defo.analysis.initial import Initial
+from fenics_defo.analysis.instant import StepFailure
 from fenics_defo.analysis.integrators import QuasiStatic
 from fenics_defo.analysis.inversion import count_inverted
 from fenics_defo.analysis.loads import Impulse, Load
@@ -20,6 +21,12 @@ from fenics_defo.fem import Solid
 from fenics_defo.fem.linear_solvers import Kind
 
 _log = logging.getLogger(__name__)
+
+_ADVICE = (
+    "The body may buckle or collapse there; try more steps of the load, a smaller load, a start "
+    "from a displacement near the equilibrium, or a damped motion towards it (backward Euler with "
+    "a mass damping)"
+)
 
 
 def static_equilibrium(
@@ -47,7 +54,7 @@ def static_equilibrium(
         prescribed: prescribed displacements.
         load_steps: number of parts.
         tolerance: residual relative to the loads and reactions [-].
-        max_iterations: of Newton a part.
+        max_iterations: of Newton a part, with full steps; a search then, three times as many.
         linear: linear solver.
         linear_tolerance: relative residual of conjugate gradients [-].
         initial: displacement (n, 3) [m] to start from; rest if not given.
@@ -100,7 +107,7 @@ def static_equilibrium(
             load_factors=tuple(substep.time for substep in substeps),
             residuals=tuple(substep.residuals for substep in substeps),
             iterations=iterations,
-            definite=simulation.definite,
+            definite=simulation.is_definite(),
             inverted_cells=inverted,
         )
 
@@ -114,11 +121,15 @@ def _with_history(load: Load, history: Ramp) -> Load:
 def _not_found(error: DivergenceError) -> DivergenceError:
     history = ", ".join(f"{residual:.1e}" for residual in error.residuals[-8:])
     said = f" (relative residuals {history})" if history else ""
+    message = f"no equilibrium was found beyond {error.time:.4g} of the load"
+    if isinstance(error.__cause__, StepFailure) and error.__cause__.lasting:
+        message = f"{message}: {error.reason}"
+    else:
+        message = (
+            f"{message}, in parts as small as {error.step:.2g}: {error.reason}{said}. {_ADVICE}"
+        )
     return DivergenceError(
-        f"no equilibrium was found beyond {error.time:.4g} of the load, in parts as small as "
-        f"{error.step:.2g}: {error.reason}{said}. The body may buckle or collapse there; try more "
-        "load_steps, a smaller load, a start from a displacement near the equilibrium, or a damped "
-        "motion towards it (BackwardEuler with a mass damping)",
+        message,
         time=error.time,
         step=error.step,
         residuals=error.residuals,

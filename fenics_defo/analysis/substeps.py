@@ -5,6 +5,11 @@ from collections.abc import Callable
 from fenics_defo.analysis.instant import Instant, StepFailure
 from fenics_defo.errors import DivergenceError
 
+_ADVICE = (
+    "try a smaller step, more damping, backward Euler, smaller loads, or one Newton iteration a "
+    "step where it is iterated to a tolerance, and else the other way round"
+)
+
 
 def run_substeps(
     start: Instant,
@@ -16,8 +21,8 @@ def run_substeps(
 ) -> int:
     """Go from an instant to a time, in one step if possible.
 
-    After a failure the step is halved; once the second half is done as well, the next is as long
-    as both.
+    After a failure the step is halved, unless that cannot help; once the second half is done as
+    well, the next is as long as both.
 
     Args:
         start: where to begin.
@@ -30,7 +35,7 @@ def run_substeps(
         how often a step was halved.
 
     Raises:
-        DivergenceError: a step failed that may not be halved any more.
+        DivergenceError: a step failed that may not, or need not, be halved any more.
     """
     begin, whole = start.time, 2**most
     done, length, halvings = 0, whole, 0
@@ -39,7 +44,7 @@ def run_substeps(
         try:
             reached = advance(start, time - start.time)
         except StepFailure as failure:
-            if length == 1:
+            if length == 1 or failure.lasting:
                 raise _divergence(start.time, end - begin, length / whole, failure) from failure
             length //= 2
             halvings += 1
@@ -56,10 +61,12 @@ def _divergence(time: float, step: float, part: float, failure: StepFailure) -> 
     more = "..., " if len(failure.residuals) > 8 else ""
     said = f"; relative residuals {more}{history}" if history else ""
     halved = f", nor one of {step * part:.3g} s" if part < 1.0 else ""
-    return DivergenceError(
+    message = (
         f"no step of {step:.6g} s was found at {time:.6g} s{halved}: {failure.reason}{said}. "
-        "The state at that time stands; try a smaller step, more damping, BackwardEuler, smaller "
-        "loads, or of newton=1 and newton=None the other",
+        "The state at that time stands"
+    )
+    return DivergenceError(
+        message if failure.lasting else f"{message}; {_ADVICE}",
         time=time,
         step=step * part,
         residuals=failure.residuals,

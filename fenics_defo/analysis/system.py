@@ -12,10 +12,12 @@ from fenics_defo.analysis.constraints import Constraints
 from fenics_defo.analysis.implicit_step import ImplicitStep, NewtonSettings
 from fenics_defo.analysis.inertia_operators import ConsistentMassOperator, LumpedMass, Mass
 from fenics_defo.analysis.instant import Forces, Instant, Rule, StepFailure
+from fenics_defo.analysis.known_laws import has_exact_tangents, has_finite_energy
 from fenics_defo.analysis.loads import Load
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.prescribed import Prescribed
-from fenics_defo.analysis.tangents import Tangents
+from fenics_defo.analysis.tangents import Ahead, Tangents
+from fenics_defo.errors import SolverError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.compat import MPI, dolfinx
 from fenics_defo.fem.linear_solvers import Kind
@@ -93,6 +95,9 @@ class System:
         self.zero.setflags(write=False)
         self._ghosted = dolfinx.la.vector(solid.space.dofmap.index_map, 3)
         self._internal: tuple[Array, Array] | None = None
+        self._strain: tuple[Array, float] | None = None
+        self._unsure = not has_finite_energy(solid.materials)
+        self._is_exact = has_exact_tangents(solid.materials)
         self._viscous: tuple[Array, Array, Array] | None = None
         self._forces: tuple[Instant, Forces] | None = None
 
@@ -144,6 +149,21 @@ class System:
             self._internal = (displacement, force)
         return self._internal[1]
 
+    def strain_energy(self, displacement: Array) -> float:
+        """U(u) [J], of the whole body."""
+        if self._strain is None or self._strain[0] is not displacement:
+            with self.phases("residual"):
+                energy = self.solid.assembly.energy(self.local(displacement))
+            self._strain = (displacement, energy)
+        return self._strain[1]
+
+    def has_energy(self, displacement: Array) -> bool:
+        """Whether the energy is a number where the forces are; asked of the user's own laws only.
+
+        A logarithm of det F < 0 is none, and its derivative 1 / det F is finite.
+        """
+        return not self._unsure or bool(np.isfinite(self.strain_energy(displacement)))
+
     def external_force(self, time: float, displacement: Array) -> Array:
         """g(t, u)."""
         follows = self.loads.follows  # if not, the ghosts are not needed
@@ -176,6 +196,20 @@ class System:
             known = self._viscous = (displacement, velocity, force)
         return known[2]
 
+    @property
+    def damping_changes(self) -> bool:
+        """Whether β K(u) changes with u, and K is the derivative of the forces."""
+        return bool(self.settings.damping[1] and self._is_exact and not self.solid.is_linear)
+
+    def ahead(self, displacement: Array, velocity: Array) -> Ahead | None:
+        """How β K changes along a velocity; None if nothing moves."""
+        beta = self.settings.damping[1]
+        fastest = self.comm.allreduce(float(np.abs(velocity).max(initial=0.0)), op=MPI.MAX)
+        if not fastest > 0.0:
+            return None
+        step = _DIFFERENCE * self.size / fastest
+        return Ahead(self.local(displacement + step * velocity), beta / step)
+
     def _force_along(self, displacement: Array, velocity: Array) -> Array:
         """K(u) v as (f(u + s v) - f(u)) / s."""
         fastest = float(np.abs(velocity).max(initial=0.0))
@@ -199,6 +233,19 @@ class System:
         if self.is_damped:
             damping = self.mass_damping(v) + self.stiffness_damping(u, v)
         return self.remember(instant, internal, external, damping)
+
+    def is_definite(self, instant: Instant) -> bool | None:
+        """Whether K - dg/du at an instant is positive definite; None if the solver cannot tell."""
+        tangents = self.tangents
+        if not tangents.can_tell:
+            return None
+        self.linearise(instant.displacement)
+        local = self.local(instant.displacement)
+        try:
+            tangents.prepare(1.0, 0.0, self.loads, instant.time, local)
+        except SolverError:  # singular
+            return False
+        return tangents.definite
 
     def remember(
         self, instant: Instant, internal: Array, external: Array, damping: Array

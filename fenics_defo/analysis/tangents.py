@@ -1,5 +1,7 @@
 """The matrices of implicit steps and what solves with them."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +18,19 @@ Array = NDArray[np.float64]
 # Newton's method gains nothing from a direction that is better.
 _SKEW_TOLERANCE = 1e-7
 _SKEW_PRODUCTS = 30
+
+
+@dataclass(frozen=True, slots=True)
+class Ahead:
+    """β K'(u) v, the change of β K along the velocity, as β / s (K(u + s v) - K(u)).
+
+    Args:
+        local: u + s v (d, 3) [m].
+        weight: β / s [-].
+    """
+
+    local: Array
+    weight: float
 
 
 class Tangents:
@@ -46,6 +61,7 @@ class Tangents:
             bound = self._assembly.with_held(solid.nodes.scatter(constraints.bound))
         self._comm, self._free = solid.comm, constraints.free
         self._follower: PETSc.Mat | None = None
+        self._later: PETSc.Mat | None = None
         self._solver = linear_solver(linear, bound, tolerance=tolerance)
         # K of a linear body is filled once, and one solver serves all steps of one length.
         self._constant = solid.is_linear
@@ -75,23 +91,56 @@ class Tangents:
         return np.array(self._product.array).reshape(-1, 3)
 
     def prepare(
-        self, scale: float, mass_scale: float, loads: AppliedLoads, time: float, local: Array
+        self,
+        scale: float,
+        mass_scale: float,
+        loads: AppliedLoads,
+        time: float,
+        local: Array,
+        *,
+        ahead: Ahead | None = None,
+        stiffening: float = 0.0,
     ) -> None:
         """Make the symmetric part of ``scale`` K + ``mass_scale`` M - dg/du ready for `solve`.
+
+        Args:
+            scale: of K [-].
+            mass_scale: of M [1/s²].
+            loads: what gives g.
+            time: [s].
+            local: displacement (d, 3) [m].
+            ahead: adds the change of the damping's stiffness along the velocity.
+            stiffening: part of the diagonal that is added to it [-].
 
         Raises:
             SolverError: it is singular or not finite, or memory ran out.
         """
-        if self._constant and not loads.follows and self._ready == (scale, mass_scale):
+        plain = ahead is None and not stiffening
+        if plain and self._constant and not loads.follows and self._ready == (scale, mass_scale):
             return
         self._ready = None
-        combine(self._effective, self._stiffness, scale, self._mass, mass_scale)
+        effective = self._effective
+        weight = 0.0 if ahead is None else ahead.weight
+        combine(effective, self._stiffness, scale - weight, self._mass, mass_scale)
+        if ahead is not None:
+            self._add_ahead(ahead)
         if loads.follows:
-            loads.add_tangent(self._effective, time, local, factor_of_all=-1.0, symmetric=True)
+            loads.add_tangent(effective, time, local, factor_of_all=-1.0, symmetric=True)
         if self._rows is not None:
-            self._effective.zeroRowsColumns(self._rows, diag=scale)
-        self._solver.prepare(self._effective)
-        self._ready = (scale, mass_scale)
+            effective.zeroRowsColumns(self._rows, diag=scale)
+        if stiffening:
+            effective.getDiagonal(self._product)
+            self._product.array[:] += stiffening * np.abs(self._product.array)
+            effective.setDiagonal(self._product)
+        self._solver.prepare(effective)
+        self._ready = (scale, mass_scale) if plain else None
+
+    def _add_ahead(self, ahead: Ahead) -> None:
+        if self._later is None:
+            self._later = self._assembly.empty_matrix()
+        self._assembly.fill_tangent(self._later, ahead.local)
+        same = PETSc.Mat.Structure.SAME_NONZERO_PATTERN
+        self._effective.axpy(ahead.weight, self._later, structure=same)
 
     def solve(self, right_side: Array) -> tuple[Array, int]:
         """Solution (owned nodes, 3) and iterations; the right-hand side is zero where not free.
@@ -140,6 +189,11 @@ class Tangents:
         return found, total
 
     @property
+    def can_tell(self) -> bool:
+        """Whether the solver counts negative eigenvalues."""
+        return hasattr(self._solver, "negative_eigenvalues")
+
+    @property
     def definite(self) -> bool | None:
         """Whether the last matrix was positive definite; None if the solver cannot tell."""
         negative = getattr(self._solver, "negative_eigenvalues", None)
@@ -149,5 +203,6 @@ class Tangents:
         """Free the matrices; collective."""
         self._solver.close()
         things = [self._stiffness, self._mass, self._effective, self._given, self._product]
-        for thing in things if self._follower is None else [*things, self._follower]:
-            thing.destroy()
+        for thing in (*things, self._follower, self._later):
+            if thing is not None:
+                thing.destroy()

@@ -19,6 +19,7 @@ from fenics_defo.runtime.integrators import (
     Stepper,
     SymplecticEuler,
 )
+from fenics_defo.scene.energy_balance import EnergyBalance
 from fenics_defo.scene.newton import newton_limits
 from fenics_defo.scene.records import Scene
 from fenics_defo.scene.reduced_loads import ReducedLoads, initial_coordinates
@@ -59,6 +60,12 @@ class ReducedMotion:
             )
         else:
             self._body = _stepper(model, scene, q, v, self._loads.force(0.0))
+        self._balance = EnergyBalance(
+            self._energies(),
+            step=scene.time.step,
+            limit=self.critical_step,
+            lenient=scene.time.allow_unstable,
+        )
 
     @property
     def time(self) -> float:
@@ -85,6 +92,30 @@ class ReducedMotion:
     @property
     def energies(self) -> Energies:
         """Energies of the last good state."""
+        found = self._energies()
+        self._balance.look(found)
+        return found
+
+    @property
+    def energy_error(self) -> float | None:
+        """Largest error of the energy balance so far over all energy put in [-]; None: statics."""
+        return None if self._scene.time.is_static else self._balance.error
+
+    @property
+    def energy_gain(self) -> float | None:
+        """The same of what was gained [-]."""
+        return None if self._scene.time.is_static else self._balance.gain
+
+    def check_energy(self) -> None:
+        """Refuse a motion that has run away.
+
+        Raises:
+            DivergenceError: it has.
+        """
+        if not self._scene.time.is_static:
+            self._balance.judge(self._energies(), self.time)
+
+    def _energies(self) -> Energies:
         found = self._body.energies
         names = ("kinetic", "strain", "external", "dissipated")
         kinetic, strain, external, dissipated = (float(getattr(found, name)) for name in names)
@@ -112,6 +143,8 @@ class ReducedMotion:
             self._last = None if before is None else (body.q - before, load)
             iterations, halvings = self._scene.time.newton or 0, 0
         self._phases.add("step", time.perf_counter() - begin)
+        if self._balance.is_due(body.steps):
+            self.check_energy()
         return StepReport(body.time, body.steps, iterations, iterations, halvings, ())
 
     def _work_ahead(self) -> float:

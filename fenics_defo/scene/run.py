@@ -45,6 +45,17 @@ class Moving(Protocol):
     def energies(self) -> Energies:
         """Energies of the last good state."""
 
+    @property
+    def energy_error(self) -> float | None:
+        """Largest error of the energy balance so far over all energy put in [-]; None: statics."""
+
+    @property
+    def energy_gain(self) -> float | None:
+        """The same of what was gained [-]."""
+
+    def check_energy(self) -> None:
+        """Refuse a motion that has run away."""
+
     def probe(self, name: str) -> NDArray[np.float64]:
         """Displacement (3,) [m] of a probe."""
 
@@ -153,6 +164,7 @@ class Run:
                 self._save()
                 self._summarise("running")
             self._watcher.moved(step, total, motion.time)
+        motion.check_energy()
         return "finished"
 
     def _end(self, status: str) -> dict[str, Any]:
@@ -224,7 +236,8 @@ class Run:
     def _summarise(self, status: str, error: str | None = None) -> dict[str, Any]:
         motion = self._motion
         probes, energies = [motion.probe(name) for name in self._names], motion.energies
-        critical_step = motion.critical_step  # collective, as those before
+        critical_step = motion.critical_step  # collective, as those before and after
+        energy_error, energy_gain = motion.energy_error, motion.energy_gain
 
         def write() -> dict[str, Any]:
             standing = Standing(
@@ -235,6 +248,8 @@ class Run:
                 begun_at=self._begun_at,
                 probes=probes,
                 energies=energies,
+                energy_error=energy_error,
+                energy_gain=energy_gain,
                 critical_step=critical_step,
                 tally=self._tally,
                 frames=len(self._open_files.frame_times),

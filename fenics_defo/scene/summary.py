@@ -27,6 +27,9 @@ class Standing:
         begun_at: step that this process went on from.
         probes: displacement (3,) of each probe [m].
         energies: [J].
+        energy_error: largest error of the energy balance over all energy put in [-]; None in
+            statics.
+        energy_gain: the same of what was gained [-].
         critical_step: largest stable step [s]; infinite for implicit methods.
         tally: what the run has added up.
         frames: number of frames.
@@ -42,6 +45,8 @@ class Standing:
     begun_at: int
     probes: Sequence[NDArray[np.float64]]
     energies: Energies
+    energy_error: float | None
+    energy_gain: float | None
     critical_step: float
     tally: Tally
     frames: int
@@ -81,6 +86,8 @@ def summary_record(scene: Scene, body: Body, standing: Standing) -> dict[str, An
             name: _number(getattr(standing.energies, name))
             for name in ("kinetic", "strain", "external", "dissipated")
         },
+        "energy_error": _number(standing.energy_error),
+        "energy_gain": _number(standing.energy_gain),
         "newton_iterations": tally.newton_iterations,
         "linear_iterations": tally.linear_iterations,
         "halvings": tally.halvings,
@@ -108,6 +115,6 @@ def _probes(scene: Scene, standing: Standing) -> dict[str, Any]:
     }
 
 
-def _number(value: float) -> float | None:
+def _number(value: float | None) -> float | None:
     """The number for JSON, which has neither infinity nor NaN."""
-    return float(value) if math.isfinite(value) else None
+    return float(value) if value is not None and math.isfinite(value) else None

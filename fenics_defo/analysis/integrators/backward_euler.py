@@ -31,6 +31,11 @@ class BackwardEuler:
         """Forces at the end of the step: what then lacks in the balance is the method's damping."""
         return 1.0
 
+    @property
+    def hidden_energy(self) -> float:
+        """None: it takes energy."""
+        return 0.0
+
     def critical_step(self, omega: float, damping: tuple[float, float]) -> float:
         """Infinite."""
         return math.inf

@@ -30,6 +30,11 @@ class CentralDifferences:
         """Trapezoids."""
         return 0.5
 
+    @property
+    def hidden_energy(self) -> float:
+        """None that is positive: ½ vᵀ M v falls short by h²/8 aᵀ M a."""
+        return 0.0
+
     def critical_step(self, omega: float, damping: tuple[float, float]) -> float:
         """Largest stable step [s] at ``omega`` [rad/s]."""
         return leapfrog_limit(omega, damping[1])

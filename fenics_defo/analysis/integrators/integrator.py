@@ -24,6 +24,13 @@ class Integrator(Protocol):
     def end_weight(self) -> float:
         """Weight in the work of a step of the forces at its end; 1 minus it, at its start."""
 
+    @property
+    def hidden_energy(self) -> float:
+        """Largest c with which the method keeps T + U + c h²/2 a·M a of a linear body; 0 if none.
+
+        T + U of a start with large accelerations may grow by that part without any error.
+        """
+
     def critical_step(self, omega: float, damping: tuple[float, float]) -> float:
         """Largest stable step [s]; infinite for an unconditionally stable method.
 

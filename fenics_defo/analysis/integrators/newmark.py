@@ -50,6 +50,11 @@ class ImplicitNewmark:
         """Trapezoids: with average acceleration the energies of a linear body balance exactly."""
         return 0.5
 
+    @property
+    def hidden_energy(self) -> float:
+        """β - γ/2: nothing for the average acceleration (Hughes 2000, section 9.4)."""
+        return max(self.beta - 0.5 * self.gamma, 0.0)
+
     def critical_step(self, omega: float, damping: tuple[float, float]) -> float:
         """Infinite."""
         return math.inf

@@ -29,6 +29,11 @@ class QuasiStatic:
         """Trapezoids."""
         return 0.5
 
+    @property
+    def hidden_energy(self) -> float:
+        """None."""
+        return 0.0
+
     def critical_step(self, omega: float, damping: tuple[float, float]) -> float:
         """Infinite."""
         return math.inf

@@ -31,6 +31,11 @@ class SymplecticEuler:
         """Trapezoids."""
         return 0.5
 
+    @property
+    def hidden_energy(self) -> float:
+        """None of this form."""
+        return 0.0
+
     def critical_step(self, omega: float, damping: tuple[float, float]) -> float:
         """Largest stable step [s] at ``omega`` [rad/s]."""
         return leapfrog_limit(omega, damping[1])

@@ -84,7 +84,7 @@ def test_the_limit_of_halvings_is_kept_and_told():
 
 def test_a_step_that_newton_cannot_do_is_done_in_halves():
     solid = cube(NEO)
-    options = {"newton": None, "newton_tolerance": 1e-9, "newton_iterations": 3}
+    options = {"newton": None, "newton_tolerance": 1e-9, "newton_iterations": 1}
     motion = simulate(
         solid,
         [],
@@ -114,7 +114,7 @@ def test_divergence_tells_all_and_leaves_the_last_good_state():
         step=0.1,
         newton=None,
         newton_tolerance=1e-13,
-        newton_iterations=2,
+        newton_iterations=1,
         prescribed=crush,
         max_halvings=1,
     ) as simulation:
@@ -124,7 +124,7 @@ def test_divergence_tells_all_and_leaves_the_last_good_state():
         state = simulation.state
     assert np.isfinite(state.displacement).all()
     text = str(info.value)
-    for part in ("no step of 0.1 s", f"at {info.value.time:.6g} s", "0.05 s", "in 2 iterations"):
+    for part in ("no step of 0.1 s", f"at {info.value.time:.6g} s", "0.05 s", "in 3 iterations"):
         assert part in text
     assert "relative residuals" in text
     assert "try a smaller step" in text
