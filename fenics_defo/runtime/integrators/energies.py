@@ -66,31 +66,39 @@ class Work:
         bodies = load.shape[:-1]
         self._external, self._dissipated = np.zeros(bodies), np.zeros(bodies)
         self._load, self._pending = load.copy(), np.zeros_like(load)
-        self._q, self._drag = scheme.q.copy(), self._damping_force()
+        self._q, self._change = scheme.q.copy(), np.zeros_like(load)
+        self._damped = any(damping)
+        self._drag = self._damping_force()
 
     def add_step(self, load: Array) -> None:
         """Count a step that was done with a load."""
-        w, q, drag = self._end_weight, self._scheme.q.copy(), self._damping_force()
-        change = q - self._q
+        w, q = self._end_weight, self._scheme.q
+        np.subtract(q, self._q, self._change)
         if self._load_at_start:
-            self._external += ((w * self._pending + (1.0 - w) * change) * load).sum(axis=-1)
-            self._pending = change
+            self._external += w * np.vecdot(self._pending, load)
+            self._pending, self._change = self._change, self._pending
+            change = self._pending
         else:
-            mean = w * load + (1.0 - w) * self._load
-            self._external += (change * mean).sum(axis=-1)
-        self._dissipated += (change * (w * drag + (1.0 - w) * self._drag)).sum(axis=-1)
-        self._q, self._drag = q, drag
+            change = self._change
+            self._external += w * np.vecdot(change, load)
+        self._external += (1.0 - w) * np.vecdot(change, load if self._load_at_start else self._load)
+        if self._damped:
+            drag = self._damping_force()
+            part = w * np.vecdot(change, drag) + (1.0 - w) * np.vecdot(change, self._drag)
+            self._dissipated += part
+            self._drag = drag
+        self._q[...] = q
         self._load[...] = load
 
     def add_blow(self, momentum: Array, before: Array, after: Array) -> None:
         """Count an impulse (..., r) by the velocities before and after it."""
-        self._external += 0.5 * (momentum * (before + after)).sum(axis=-1)
+        self._external += 0.5 * np.vecdot(momentum, before + after)
         self._drag = self._damping_force()
 
     @property
     def external(self) -> Array:
         """Work of loads and impulses (...) [J]."""
-        ahead = self._end_weight * (self._pending * self._load).sum(axis=-1)
+        ahead = self._end_weight * np.vecdot(self._pending, self._load)
         return np.asarray(self._external + ahead)
 
     @property
@@ -101,9 +109,10 @@ class Work:
     def _damping_force(self) -> Array:
         """C v = alpha M v + beta K(q) v at the present state, as a new array."""
         (alpha, beta), scheme = self._damping, self._scheme
-        force = alpha * self._inertia.apply(scheme.v)
+        v = scheme.v
+        force = alpha * (v if self._inertia.is_identity else self._inertia.apply(v))
         if beta:
-            force += beta * scheme.here.stiffness_times(scheme.q, scheme.v)
+            force += beta * scheme.here.stiffness_times(scheme.q, v)
         return force
 
 

@@ -15,7 +15,7 @@ from fenics_defo.runtime.integrators.setting import check_setting
 
 Array = NDArray[np.float64]
 
-_CHUNK = 4096  # steps that are taken to modal coordinates at once
+_ROWS = 128
 
 
 class ModalFilter:
@@ -238,7 +238,9 @@ class ModalFilter:
         else:
             state = self._blocks.run(last[None], state, z[:1])
             state = self._blocks.run(force[:-1], state, z[1:])
-            z += self._ahead[0] * force
+            for begin in range(0, len(z), _ROWS):  # few enough to stay in the cache
+                part = slice(begin, begin + _ROWS)
+                z[part] += self._ahead[0] * force[part]
         if self._modes is not None:
             np.dot(z.reshape(shape), self._modes.T, out.reshape(shape))
         return state, force[-1].copy()

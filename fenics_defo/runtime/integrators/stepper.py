@@ -25,7 +25,7 @@ class Stepper:
         inertia: its mass.
         setting: how the motion begins and is stepped.
         scheme: the method.
-        energies: whether `energies` is asked for; a step then costs up to twice as much.
+        energies: whether `energies` is asked for, which adds some ten calls of NumPy to a step.
     """
 
     #: Weight in the work of a step of the forces at its end.

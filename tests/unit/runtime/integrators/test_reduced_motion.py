@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from reduced_models import Model, Springs, linear, oscillator, stiffening
 
 from fenics_defo.errors import DefoError, DivergenceError, LoadError, SolverError, StepSizeError
+from fenics_defo.runtime import ReducedModel
 from fenics_defo.runtime.forces import CubicForce
 from fenics_defo.runtime.forces.symmetric import unique_count
 from fenics_defo.runtime.integrators import (
@@ -18,6 +19,7 @@ from fenics_defo.runtime.integrators import (
     ImplicitNewmark,
     SymplecticEuler,
     dense_solver,
+    newton_step,
 )
 from fenics_defo.runtime.integrators.limits import leapfrog_limit
 
@@ -356,6 +358,24 @@ def test_the_bare_solver_is_the_public_one() -> None:
         np.testing.assert_array_equal(found, public)
 
 
+@pytest.mark.parametrize("bodies", [None, 2])
+def test_the_public_solver_serves_as_well(
+    bodies: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options: dict[str, Any] = {"step": 0.125, "batch": bodies}
+    bare = ImplicitNewmark(stiffening(), v=np.ones(4), **options)
+    monkeypatch.setattr(newton_step, "solve", dense_solver._public)
+    public = ImplicitNewmark(stiffening(), v=np.ones(4), **options)
+    for motion in (bare, public):
+        motion.advance()
+    np.testing.assert_array_equal(bare.q, public.q)
+    # K + 4/h² = 0 raises in it.
+    motion = ImplicitNewmark(Model(Springs(np.array([[-256.0]]), np.eye(1)), np.eye(1)), **options)
+    with pytest.raises(DivergenceError):
+        motion.advance()
+    np.testing.assert_array_equal(motion.q, 0.0)
+
+
 GOOD: dict[str, Any] = {"step": 0.01}
 
 
@@ -399,6 +419,17 @@ def test_a_mass_that_is_no_mass_is_refused() -> None:
     for mass in (np.diag([1.0, 1.0, 1.0, 0.0]), np.triu(np.ones((4, 4))), np.full((4, 4), np.nan)):
         with pytest.raises(SolverError, match="positive definite"):
             ImplicitNewmark(Model(law, mass), step=0.1)
+
+
+def test_a_reduced_model_is_what_the_integrators_ask_for() -> None:
+    plain = linear()
+    model = ReducedModel(law=plain.law, mass=plain.mass, damping=(0.1, 0.02))
+    one = ImplicitNewmark(model, step=0.1, v=np.ones(4), energies=True)
+    two = ImplicitNewmark(plain, step=0.1, v=np.ones(4), damping=(0.1, 0.02), energies=True)
+    for motion in (one, two):
+        motion.advance()
+    np.testing.assert_array_equal(one.q, two.q)
+    assert one.energies == two.energies
 
 
 def test_damping_is_the_models_own_unless_given() -> None:
