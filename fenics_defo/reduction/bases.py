@@ -8,7 +8,12 @@ from fenics_defo.analysis.phases import Phases
 from fenics_defo.errors import DefoError
 from fenics_defo.fem import Solid
 from fenics_defo.reduction.basis import Basis
-from fenics_defo.reduction.body_fields import checked_fields, elastic_modes, own_columns
+from fenics_defo.reduction.body_fields import (
+    checked_fields,
+    checked_state,
+    elastic_modes,
+    own_columns,
+)
 from fenics_defo.reduction.body_frame import in_body_frame
 from fenics_defo.reduction.cut import check_cut, checked_size, chosen_basis, orthonormal_basis
 from fenics_defo.reduction.derivatives import modal_derivatives
@@ -84,35 +89,45 @@ def modal_derivative_basis(
     check_cut(size, share)
     if not 0.0 < amplitude < np.inf:
         raise DefoError(f"amplitude must be positive [kg^1/2 m], got {amplitude!r}; 1 is usual")
-    phases = phases or Phases()
+    phases, displacement = phases or Phases(), checked_state(solid, displacement)
     values, shapes = elastic_modes(solid, modes)
-    first, second = np.triu_indices(len(shapes))
     if derivatives is None:
         derivatives = modal_derivatives(solid, modes, displacement=displacement, phases=phases)
     derivatives = checked_fields(solid, derivatives, "derivatives")
-    if len(derivatives) != len(first):
+    pairs = len(shapes) * (len(shapes) + 1) // 2
+    if len(derivatives) != pairs:
         raise DefoError(
-            f"{len(shapes)} modes have {len(first)} derivatives, got {len(derivatives)}; pass what "
+            f"{len(shapes)} modes have {pairs} derivatives, got {len(derivatives)}; pass what "
             "modal_derivatives returned for the same modes"
         )
-    weight = values[0] / values
     with phases("components"):
-        columns = np.empty(
-            (own_columns(solid, shapes[:1]).size, len(shapes) + len(first)), order="F"
-        )
-        columns[:, : len(shapes)] = own_columns(solid, shapes) * weight
-        columns[:, len(shapes) :] = own_columns(solid, derivatives)
-        columns[:, len(shapes) :] *= amplitude * weight[first] * weight[second]
-        origin = {
-            "modes": len(shapes),
-            "derivatives": len(first),
-            "amplitude": float(amplitude),
-            "about": "rest" if displacement is None else "a deformed state",
-        }
-        motions = own_columns(solid, free_motions(solid, displacement))
         return chosen_basis(
-            solid, columns, size, share, "modal-derivatives", motions=motions, origin=origin
+            solid,
+            _weighted(solid, values, shapes, derivatives, amplitude),
+            size,
+            share,
+            "modal-derivatives",
+            motions=own_columns(solid, free_motions(solid, displacement)),
+            origin={
+                "modes": len(shapes),
+                "derivatives": pairs,
+                "amplitude": float(amplitude),
+                "about": "rest" if displacement is None else "a deformed state",
+            },
         )
+
+
+def _weighted(
+    solid: Solid, values: Array, shapes: Array, derivatives: Array, amplitude: float
+) -> Array:
+    """Modes and derivatives as weighted columns (owned dofs, k + k(k + 1)/2)."""
+    count, weight = len(shapes), values[0] / values
+    first, second = np.triu_indices(count)
+    columns = np.empty((3 * solid.nodes.owned, count + len(first)), order="F")
+    columns[:, :count] = own_columns(solid, shapes) * weight
+    columns[:, count:] = own_columns(solid, derivatives)
+    columns[:, count:] *= amplitude * weight[first] * weight[second]
+    return columns
 
 
 def snapshot_basis(

@@ -66,6 +66,23 @@ def checked_fields(solid: Solid, fields: ArrayLike, what: str) -> Array:
     return array
 
 
+def checked_state(solid: Solid, displacement: ArrayLike | None) -> Array | None:
+    """A displacement (n, 3) [m] that the body can have; None, for rest, stays None.
+
+    Raises:
+        DefoError: it cannot.
+    """
+    if displacement is None:
+        return None
+    array, shape = np.asarray(displacement, np.float64), solid.points.shape
+    if array.shape != shape:
+        raise DefoError(
+            f"displacement must have the shape {shape}, one row for each of this body's nodes; "
+            f"got {array.shape}"
+        )
+    return checked_fields(solid, array[None], "displacement")[0]
+
+
 def elastic_modes(solid: Solid, modes: Modes) -> tuple[Array, Array]:
     """The modes that are no rigid motions, if they are modes of this body.
 

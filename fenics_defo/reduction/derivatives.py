@@ -20,7 +20,7 @@ from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.static_response import StaticResponse
 from fenics_defo.fem import Solid
 from fenics_defo.reduction.body_fields import (
-    checked_fields,
+    checked_state,
     elastic_modes,
     gathered,
     own_columns,
@@ -61,12 +61,12 @@ def modal_derivatives(
         EigenSolveError: the state is not a stable equilibrium.
         SolverError: the tangent is singular, or memory ran out.
     """
-    phases = phases or Phases()
+    phases, displacement = phases or Phases(), checked_state(solid, displacement)
     _, shapes = elastic_modes(solid, modes)
-    if displacement is not None:
-        displacement = checked_fields(solid, np.asarray(displacement)[None], "displacement")[0]
     count = len(shapes)
-    found = np.empty((count * (count + 1) // 2, solid.nodes.size, 3))
+    found = np.zeros((count * (count + 1) // 2, solid.nodes.size, 3))
+    if solid.is_linear:
+        return found
     columns, loads, pairs = own_columns(solid, shapes), [], []
     with StaticResponse(solid, displacement, phases=phases) as response:
         for j in range(count):
