@@ -80,12 +80,9 @@ def measure_range(
         raise DefoError(f"tolerance must be positive, a relative error such as 0.01: {tolerance!r}")
     if not rays >= 1:
         raise DefoError(f"rays must be 1 or more, got {rays!r}")
-    direct, fields = DirectForce(solid, shapes), np.asarray(shapes, dtype=np.float64)
+    direct = DirectForce(solid, shapes)
     softness = _softness(law.stiffness(np.zeros(direct.size)))
-    loads = np.random.default_rng(seed).standard_normal((rays, direct.size))
-    answers = loads @ softness @ softness.T
-    farthest = [np.linalg.norm(np.tensordot(q, fields, 1), axis=1).max() for q in answers]
-    unit = answers / np.array(farthest)[:, None]
+    unit = _rays(shapes, softness, rays, seed)
     directions = np.concatenate([unit, -unit])
     amplitudes = float(np.ptp(solid.points, axis=0).max()) * np.geomspace(_FROM, _TO, _COUNT)
     errors = np.full((len(directions), _COUNT), np.nan)
@@ -103,6 +100,34 @@ def measure_range(
         tolerance=float(tolerance),
         reach=float(amplitudes[reached - 1]) if reached else 0.0,
     )
+
+
+def measure_error(
+    solid: Solid, law: ForceLaw, shapes: ArrayLike, *, amplitude: float = 0.1, seed: int = 0
+) -> float:
+    """Error of a law's force [-], as by `measure_range`, at one point of one ray; collective.
+
+    Args:
+        solid: body.
+        law: to be judged.
+        shapes: U (r, n, 3) that it was made of.
+        amplitude: largest nodal displacement as a part of the body's size.
+        seed: of the random load.
+    """
+    direct = DirectForce(solid, shapes)
+    softness = _softness(law.stiffness(np.zeros(direct.size)))
+    (unit,) = _rays(shapes, softness, 1, seed)
+    size = float(np.ptp(solid.points, axis=0).max())
+    return _error(law, direct, amplitude * size * unit, softness)
+
+
+def _rays(shapes: ArrayLike, softness: Array, count: int, seed: int) -> Array:
+    """Answers q (count, r) to random loads, at which the farthest node has moved by 1 m."""
+    fields = np.asarray(shapes, dtype=np.float64)
+    loads = np.random.default_rng(seed).standard_normal((count, len(fields)))
+    answers = loads @ softness @ softness.T
+    farthest = [np.linalg.norm(np.tensordot(q, fields, 1), axis=1).max() for q in answers]
+    return np.asarray(answers / np.array(farthest)[:, None])
 
 
 def _softness(stiffness: Array) -> Array:

@@ -109,11 +109,12 @@ def _derivatives(gram: Array, r: int) -> EnergyDerivatives:
 
 
 def check_polynomial(solid: Solid) -> None:
-    """Check that the energy of a body is a polynomial of fourth degree in the displacement.
+    """Check that a body's energy is a sum of squares of polynomials of q; collective.
 
     Raises:
         MaterialError: it is not.
     """
+    unstable = 0
     for region in solid.fields.regions:
         if _key(region) not in (_EXACT, _LINEAR):
             raise MaterialError(
@@ -121,6 +122,15 @@ def check_polynomial(solid: Solid) -> None:
                 f"body has cells of {type(region.material).__name__}; take "
                 'force = "taylor", its expansion about rest (small strains), or "cubature"'
             )
+        lmbda, mu = (region.parameters[name].x.array for name in ("lmbda", "mu"))
+        cells = region.parameters["mu"].function_space.dofmap.list[region.cells, 0]
+        stable = (mu[cells] > 0.0) & (3.0 * lmbda[cells] + 2.0 * mu[cells] >= 0.0)
+        unstable += int(np.count_nonzero(~stable))
+    if solid.comm.allreduce(unstable):
+        raise MaterialError(
+            "a cubic force needs mu > 0 and a bulk modulus lmbda + 2/3 mu of at least 0 in all "
+            'cells, which this body\'s law does not have; take force = "taylor", or other constants'
+        )
 
 
 def _key(region: LawRegion) -> Hashable:

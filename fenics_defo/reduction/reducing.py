@@ -17,7 +17,7 @@ from fenics_defo.reduction.basis import Basis
 from fenics_defo.reduction.body_fields import checked_fields
 from fenics_defo.reduction.direct_force import DirectForce
 from fenics_defo.reduction.floating_frame import inertia_integrals
-from fenics_defo.reduction.force_range import measure_range
+from fenics_defo.reduction.force_range import measure_error, measure_range
 from fenics_defo.reduction.load_projection import (
     MassKind,
     gravity_rows,
@@ -69,7 +69,8 @@ def reduce(
         floating: keep the inertia integrals of a body that flies; by default where nothing holds
             it and no combination of the shapes is a rigid motion.
         range_tolerance: error of the force that is accepted in measuring how far "linear" and
-            "taylor" may be trusted, see `measure_range`; None to leave the measurement out.
+            "taylor" may be trusted, see `measure_range`; None to leave out that measurement, and
+            that of the round-off of exact laws.
 
     Returns:
         the model, with its provenance and, in its certificate, what is known of its force.
@@ -205,7 +206,10 @@ def _certificate(
 ) -> dict[str, Any]:
     """What is known of the force within the basis, against `DirectForce`."""
     exact = law.kind in ("cubic", "direct") or (law.kind == "linear" and solid.is_linear)
-    told: dict[str, Any] = {"force": {"kind": law.kind, "exact": exact}}
-    if not exact and tolerance is not None:
-        told["force"] |= measure_range(solid, law, shapes, tolerance=tolerance).certificate()
-    return told
+    told: dict[str, Any] = {"kind": law.kind, "exact": exact}
+    if tolerance is not None and law.kind != "direct":
+        if exact:
+            told["measured_error"] = measure_error(solid, law, shapes)
+        else:
+            told |= measure_range(solid, law, shapes, tolerance=tolerance).certificate()
+    return {"force": told}

@@ -28,8 +28,8 @@ def rest_derivatives(solid: Solid, fields: Array) -> EnergyDerivatives:
         ∂²:  ∫ A : D_i D_j dX,   ∂³:  ∫ A' : D_i D_j D_k dX,   ∂⁴:  ∫ A'' : D_i D_j D_k D_l dX.
 
     For St. Venant-Kirchhoff these are all that differ from zero; for others they are the beginning
-    of a series. Products of two D are columns of 45 rows, which A'' and BLAS multiply: 45 (r⁴/2)
-    operations a point, thirty times those of `strain_derivatives`.
+    of a series. Products of two D are columns of 45 rows, which A'' and BLAS multiply: 22 r⁴
+    operations a point, fifteen times those of `strain_derivatives`.
 
     Args:
         solid: body.

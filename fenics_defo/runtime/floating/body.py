@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 type Coupling = Literal["full", "none"]
 type Force = tuple[int, ArrayLike]
 
+_NO_GRAVITY = (0.0, 0.0, 0.0)
+
 
 class FloatingBody:
     """Motion of a free-flying reduced body, x = c + R (X + U q), step by step.
@@ -98,8 +100,8 @@ class FloatingBody:
         frame = model.frame
         if frame is None:
             raise DefoError(
-                "this model has no floating frame, so it cannot fly; reduce a body without "
-                "constraints, or use an integrator of held bodies such as ImplicitNewmark"
+                "this model has no floating frame and cannot fly; reduce a body that nothing "
+                "holds, or take an integrator of held bodies such as ImplicitNewmark"
             )
         if coupling not in ("full", "none"):
             raise DefoError(f"coupling must be 'full' or 'none', got {coupling!r}")
@@ -119,6 +121,7 @@ class FloatingBody:
         self._frame = frame
         self._steps = 0
         self._first: Loads | None = None
+        self._no_loads: Loads | None = None
         self._rows = {int(node): row for row, node in enumerate(model.nodes)}
         self._stepper = FloatingStep(
             model.law,
@@ -129,6 +132,7 @@ class FloatingBody:
             newton=checked_newton(newton, newton_tolerance, newton_iterations),
             shape=(*self._batch, r),
         )
+        self._no_loads = self._loads(None, _NO_GRAVITY, [])
         self._now = self._started(given, np.broadcast_to(turned, (*self._batch, 3, 3)))
 
     def _started(self, given: dict[str, Array], rotation: Array) -> FloatingState:
@@ -202,7 +206,7 @@ class FloatingBody:
     def energies(self) -> FloatingEnergies:
         """Energies of the last good state."""
         kinetic = kinetic_energy(self._now, self._stepper.inertia, mass=self._frame.mass)
-        return FloatingEnergies(kinetic, np.asarray(self.model.law.energy(self._now.q)))
+        return FloatingEnergies(kinetic, self.model.law.energy(self._now.q))
 
     def momentum(self) -> tuple[Array, Array]:
         """Momentum [kg m/s] and angular momentum about the world's origin [kg m²/s], (..., 3)."""
@@ -213,8 +217,7 @@ class FloatingBody:
         now, frame = self._now, self._frame
         shapes = self.model.shapes - frame.mean
         inside = self.model.points - frame.centre + (shapes @ now.q[..., None, :, None])[..., 0]
-        turned = inside @ np.swapaxes(now.rotation, -1, -2)
-        return np.asarray(now.position[..., None, :] + turned)
+        return now.position[..., None, :] + inside @ np.swapaxes(now.rotation, -1, -2)
 
     def world_displacement(self) -> Array:
         """How far the stored nodes are from where they are at rest in the model (..., p, 3) [m]."""
@@ -224,7 +227,7 @@ class FloatingBody:
         self,
         load: ArrayLike | None = None,
         *,
-        gravity: ArrayLike = (0.0, 0.0, 0.0),
+        gravity: ArrayLike = _NO_GRAVITY,
         forces: Iterable[Force] = (),
     ) -> None:
         """Say which loads act at time zero, as `advance`; if not said, those of the first step.
@@ -240,7 +243,7 @@ class FloatingBody:
         self,
         load: ArrayLike | None = None,
         *,
-        gravity: ArrayLike = (0.0, 0.0, 0.0),
+        gravity: ArrayLike = _NO_GRAVITY,
         forces: Iterable[Force] = (),
     ) -> None:
         """Do one step under loads that act at its end; between the ends they change linearly.
@@ -281,6 +284,8 @@ class FloatingBody:
         return self._stepper.begun(self._now, loads if self._first is None else self._first)
 
     def _loads(self, load: ArrayLike | None, gravity: ArrayLike, forces: Sequence[Force]) -> Loads:
+        if load is None and gravity is _NO_GRAVITY and not forces and self._no_loads is not None:
+            return self._no_loads
         r = self._frame.size
         push = checked_vector("load", np.zeros(r) if load is None else load, size=r)
         fall = checked_vector("gravity", gravity)

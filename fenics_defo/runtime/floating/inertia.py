@@ -22,11 +22,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.floating.frame import PAIRS, FloatingFrame
+from fenics_defo.runtime.floating.products import times
 from fenics_defo.runtime.floating.rotations import LEVI_CIVITA
 
 Array = NDArray[np.float64]
 
 _EYE = np.eye(3)
+# tr(P) 1 - P of a matrix (9,) as a matrix (9, 9).
+_INERTIA = np.outer(_EYE, _EYE) - np.eye(9)
+# 2 w_k tr(W) - w_a (W_ka + W_ak) of moments (9, r), as (3, 27): w times it is (3, 9).
+_SLOPE = (
+    2.0 * np.einsum("lk,ab->lkab", _EYE, _EYE)
+    - np.einsum("lb,ka->lkab", _EYE, _EYE)
+    - np.einsum("la,kb->lkab", _EYE, _EYE)
+).reshape(3, 27)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +43,7 @@ class InertiaAtShape:
     """The inertia at coordinates q (..., r).
 
     Args:
-        moments: W_abi = int rho (X + U q)_a U_bi dV (..., 3, 3, r).
+        moments: W_abi = int rho (X + U q)_a U_bi dV (..., 9, r), pairs (a, b) in rows.
         inertia: I about the centre of mass (..., 3, 3) [kg m²].
         coupling: A (..., 3, r); A_ki = e_kab W_abi.
     """
@@ -48,11 +57,7 @@ class InertiaAtShape:
 
         The centrifugal force is half its product with w.
         """
-        w = self.moments
-        trace = w[..., 0, 0, :] + w[..., 1, 1, :] + w[..., 2, 2, :]
-        both = w + np.swapaxes(w, -3, -2)
-        turned = (spin[..., None, None, :] @ both)[..., 0, :]
-        return np.asarray(2.0 * spin[..., None] * trace[..., None, :] - turned)
+        return (spin @ _SLOPE).reshape(*spin.shape, 9) @ self.moments
 
 
 class Inertia:
@@ -65,18 +70,20 @@ class Inertia:
 
     def __init__(self, frame: FloatingFrame, *, coupled: bool = True) -> None:
         r = frame.size
-        blocks = np.zeros((3, 3, r, r))
+        blocks, linear = np.zeros((3, 3, r, r)), np.zeros((3, 3, r))
         if coupled:
+            linear += frame.linear
             for (a, b), block in zip(PAIRS, frame.quadratic, strict=True):
                 blocks[a, b], blocks[b, a] = block, block.T
         #: M (r, r).
         self.mass: Array = frame.shape_mass
-        self._second = frame.second_moment
-        self._linear = frame.linear if coupled else np.zeros_like(frame.linear)
-        # (r, 9 r): q times it is the part of W that is linear in q.
-        self._of_shape = np.ascontiguousarray(blocks.transpose(2, 0, 1, 3).reshape(r, 9 * r))
+        # Moments of the places (X, U) by the places: bilinear in (1, q).
+        table = np.empty((r + 1, 3, 3, r + 1))
+        table[0, :, :, 0], table[0, :, :, 1:] = frame.second_moment, linear
+        table[1:, :, :, 0], table[1:, :, :, 1:] = linear.T, blocks.transpose(2, 0, 1, 3)
+        self._table = table.reshape(r + 1, 9 * (r + 1))
         gyro = np.stack([blocks[b, c] - blocks[c, b] for b, c in ((1, 2), (2, 0), (0, 1))])
-        self._gyro = gyro.reshape(3 * r, r)
+        self._gyro = np.ascontiguousarray(gyro.reshape(3 * r, r).T)
         self._gyro_rows = gyro.reshape(3, r * r)
         self._squares = -blocks.reshape(9, r * r)
         if coupled:
@@ -84,19 +91,18 @@ class Inertia:
 
     def at(self, q: Array) -> InertiaAtShape:
         """The inertia at coordinates q (..., r)."""
-        r = q.shape[-1]
-        moments = self._linear + (q @ self._of_shape).reshape(*q.shape[:-1], 3, 3, r)
-        column = q[..., None, :, None]
-        first = (np.swapaxes(self._linear, 0, 1) @ column)[..., 0]
-        second = self._second + first + (moments @ column)[..., 0]
-        trace = second[..., 0, 0] + second[..., 1, 1] + second[..., 2, 2]
-        coupling = LEVI_CIVITA @ moments.reshape(*q.shape[:-1], 9, r)
-        return InertiaAtShape(moments, trace[..., None, None] * _EYE - second, coupling)
+        leading, r = q.shape[:-1], q.shape[-1]
+        place = np.empty((*leading, r + 1))
+        place[..., 0], place[..., 1:] = 1.0, q
+        every = (place @ self._table).reshape(*leading, 9, r + 1)
+        second = times(every, place)
+        moments = every[..., 1:]
+        inertia = (second @ _INERTIA).reshape(*leading, 3, 3)
+        return InertiaAtShape(moments, inertia, LEVI_CIVITA @ moments)
 
     def gyroscopic_rows(self, rates: Array) -> Array:
         """G_k q' (..., 3, r) for unit spins about the axes; G(w) q' is their sum by w."""
-        r = rates.shape[-1]
-        return np.asarray((rates @ self._gyro.T).reshape(*rates.shape[:-1], 3, r))
+        return (rates @ self._gyro).reshape(*rates.shape[:-1], 3, rates.shape[-1])
 
     def turning(self, spin: Array) -> tuple[Array, Array]:
         """G(w), skew, and the slope dc/dq = w² M - w_a w_b N_ab, both (..., r, r)."""

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.runtime.integrators.dense_solver import solve
+
 Array = NDArray[np.float64]
 
 
@@ -34,17 +36,23 @@ class LinearisedStep:
         """Largest residual relative to the largest term [-]."""
         return max(_excess(self.shape, self.terms[0]), _excess(self.spin, self.terms[1]))
 
-    def solved(self) -> tuple[Array, Array]:
+    def solved(self, scale: float) -> tuple[Array, Array]:
         """Changes of q (..., r) and of the spin (..., 3).
 
-        By elimination of q, whose equations have units of their own, and three equations left.
+        Args:
+            scale: unit of the spin's equations in that of the equations of q.
         """
-        right = np.concatenate([self.shape[..., None], self.shape_by_spin], axis=-1)
-        answer = np.linalg.solve(self.shape_by_q, right)
-        alone, along = answer[..., :1], answer[..., 1:]
-        reduced = self.spin_by_spin - self.spin_by_q @ along
-        turn = np.linalg.solve(reduced, self.spin_by_q @ alone - self.spin[..., None])
-        return -(alone + along @ turn)[..., 0], turn[..., 0]
+        r = self.shape.shape[-1]
+        matrix = np.empty((*self.shape.shape[:-1], r + 3, r + 3))
+        matrix[..., :r, :r] = self.shape_by_q
+        np.multiply(self.shape_by_spin, scale, out=matrix[..., :r, r:])
+        np.multiply(self.spin_by_q, scale, out=matrix[..., r:, :r])
+        np.multiply(self.spin_by_spin, scale * scale, out=matrix[..., r:, r:])
+        right, answer = np.empty((2, *matrix.shape[:-1]))
+        right[..., :r] = self.shape
+        np.multiply(self.spin, scale, out=right[..., r:])
+        solve(matrix, right, answer)
+        return -answer[..., :r], -scale * answer[..., r:]
 
 
 def _excess(residual: Array, terms: tuple[Array, ...]) -> float:

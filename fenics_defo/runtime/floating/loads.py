@@ -9,6 +9,8 @@ from fenics_defo.runtime.floating.rotations import skew
 
 Array = NDArray[np.float64]
 
+_NO_MOMENT = np.zeros(3)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Loads:
@@ -35,8 +37,7 @@ class Loads:
     def at(self, q: Array, rotation: Array) -> "LoadsAtShape":
         """The loads in the frame's axes at coordinates (..., r) and a rotation (..., 3, 3)."""
         if not len(self.places):
-            nothing = np.zeros((*q.shape[:-1], 0, 3))
-            return LoadsAtShape(self.push, np.zeros((*q.shape[:-1], 3)), nothing, nothing)
+            return LoadsAtShape(self.push, _NO_MOMENT, self.places, self.places)
         forces = self.forces @ rotation
         arms = self.places + (self.shapes @ q[..., None, :, None])[..., 0]
         push = self.push + (forces[..., None, :] @ self.shapes)[..., 0, :].sum(axis=-2)

@@ -1,4 +1,4 @@
-"""Products of matrices and vectors with any leading axes."""
+"""Products of matrices and vectors with any leading axes; fastest without."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,9 +8,16 @@ Array = NDArray[np.float64]
 
 def times(matrix: Array, vector: Array) -> Array:
     """Matrices (..., m, n) times vectors (..., n)."""
-    return np.asarray((matrix @ vector[..., None])[..., 0])
+    return matrix @ vector if vector.ndim == 1 else (matrix @ vector[..., None])[..., 0]
 
 
 def by(vector: Array, rows: Array) -> Array:
     """Rows (..., 3, r) summed by the components of vectors (..., 3)."""
-    return np.asarray((vector[..., None, :] @ rows)[..., 0, :])
+    if vector.ndim == 1:
+        return vector @ rows
+    return (vector[..., None, :] @ rows)[..., 0, :]
+
+
+def transposed(matrix: Array) -> Array:
+    """Matrices (..., n, m) of (..., m, n)."""
+    return matrix.T if matrix.ndim == 2 else np.swapaxes(matrix, -1, -2)

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_defo.runtime.floating.products import times, transposed
+
 Array = NDArray[np.float64]
 
 # A vector times this (3, 9) is the matrix of the cross product with it.
@@ -16,6 +18,7 @@ _TO_SKEW = -_LEVI_CIVITA.reshape(3, 9)
 LEVI_CIVITA = _LEVI_CIVITA.reshape(3, 9)
 """e_kab as (3, 9): a product with moments (9, ...) of two vectors gives their cross product's."""
 _EYE = np.eye(3)
+_THREE_HALVES = 1.5 * _EYE
 
 # Below this square of an angle the series are exact to round-off.
 _SMALL = 1e-4
@@ -23,12 +26,12 @@ _SMALL = 1e-4
 
 def skew(vector: Array) -> Array:
     """Matrices (..., 3, 3) of the cross products a x b with vectors a (..., 3)."""
-    return np.asarray(vector @ _TO_SKEW).reshape(*vector.shape, 3)
+    return (vector @ _TO_SKEW).reshape(*vector.shape, 3)
 
 
 def cross(left: Array, right: Array) -> Array:
     """Cross products (..., 3); for few vectors several times faster than NumPy's."""
-    return np.asarray((skew(left) @ right[..., None])[..., 0])
+    return times(skew(left), right)
 
 
 def exponential(angle: Array) -> tuple[Array, Array]:
@@ -88,7 +91,7 @@ def _of_many(squares: Array) -> tuple[Array, Array, Array]:
 
 def orthonormalised(rotation: Array) -> Array:
     """The rotations (..., 3, 3) with round-off taken out: one step of R (3 - R^T R) / 2."""
-    return np.asarray(1.5 * rotation - 0.5 * rotation @ (np.swapaxes(rotation, -1, -2) @ rotation))
+    return rotation @ (_THREE_HALVES - 0.5 * (transposed(rotation) @ rotation))
 
 
 def from_quaternion(quaternion: Array) -> Array:

@@ -1,5 +1,6 @@
 """One step of a floating body: the trapezoidal rule in its momenta."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,10 +9,11 @@ from numpy.typing import NDArray
 from fenics_defo.runtime.floating.inertia import Inertia, InertiaAtShape
 from fenics_defo.runtime.floating.linearised import LinearisedStep
 from fenics_defo.runtime.floating.loads import Loads, LoadsAtShape
-from fenics_defo.runtime.floating.products import by, times
+from fenics_defo.runtime.floating.products import by, times, transposed
 from fenics_defo.runtime.floating.rotations import exponential, orthonormalised, skew
 from fenics_defo.runtime.floating.state import FloatingState
 from fenics_defo.runtime.forces.force_law import ForceLaw
+from fenics_defo.runtime.integrators.dense_solver import solve
 
 Array = NDArray[np.float64]
 
@@ -80,6 +82,12 @@ class FloatingStep:
         self._alpha, self._beta = damping
         self._h = step
         self._newton = newton
+        self._damped = any(damping)
+        nothing = np.zeros(shape[-1]), np.zeros((shape[-1], 3)), np.zeros((3, shape[-1]))
+        self._no_damping, self._no_slopes = nothing[0], (*nothing[1:], np.zeros((3, 3)))
+        weight = np.trace(inertia.mass) / max(len(inertia.mass), 1)
+        turning = np.trace(inertia.at(nothing[0]).inertia) / 3.0
+        self._scale = 2.0 / step * math.sqrt(weight / turning) if weight > 0.0 else 1.0
         self._heavy = (4.0 / step**2 + 2.0 / step * damping[0]) * inertia.mass
         self._stiff = 1.0 + 2.0 / step * damping[1]
 
@@ -90,10 +98,9 @@ class FloatingStep:
         loaded = loads.at(q, state.rotation)
         slope = self.inertia.at(q).inertia_slope(spin)
         inertial = by(spin, self.inertia.gyroscopic_rows(v) + 0.5 * slope)
-        damping = times(self._alpha * self.inertia.mass + self._beta * stiffness, v)
         return replace(
             state,
-            push=inertial - force - damping + loaded.push,
+            push=inertial - force - self._damping(stiffness, v) + loaded.push,
             moment=times(state.rotation, loaded.moment),
             force=loads.resultant(self._mass),
         )
@@ -113,7 +120,7 @@ class FloatingStep:
             now = self._linearised(start, half, q, spin, bent, loads)
             if newton.iterations is None and iteration and now.excess() <= newton.tolerance:
                 break
-            change, turn = now.solved()
+            change, turn = now.solved(self._scale)
             q, spin = q + change, spin + turn
             bent = q
         else:
@@ -140,11 +147,11 @@ class FloatingStep:
         gyro, softening = inertia.turning(spin)
         force, stiffness = self._evaluator.force_and_stiffness(bent)
         rotation, jacobian = self._turned(start, spin)
-        angular = times(np.swapaxes(rotation, -1, -2), half)
+        angular = times(transposed(rotation), half)
         loaded = loads.at(q, rotation)
         momenta = times(inertia.mass, v) + by(spin, at.coupling)
         elastic = force if bent is q else force + times(stiffness, q - bent)
-        damping = times(self._alpha * inertia.mass + self._beta * stiffness, v)
+        damping = self._damping(stiffness, v)
         inertial = (2.0 / h) * (momenta - start.momenta) - start.push
         shape = inertial - by(spin, rows + 0.5 * slope) + elastic + damping - loaded.push
         carried, deforming = times(at.inertia, spin), times(at.coupling, v)
@@ -153,21 +160,24 @@ class FloatingStep:
         by_q = self._heavy + self._stiff * stiffness - (4.0 / h) * gyro - softening
         push_turn, moment_q, moment_turn = self._slopes(loads, loaded)
         reach = 0.5 * h * jacobian
+        moving, turned = (2.0 / h) * at.coupling, rows + slope
         return LinearisedStep(
             shape,
             turning,
             by_q,
-            np.swapaxes((2.0 / h) * at.coupling - rows - slope, -1, -2) - push_turn @ reach,
-            slope + (2.0 / h) * at.coupling + rows - 0.5 * h * moment_q,
+            transposed(moving - turned) - push_turn @ reach,
+            moving + turned - 0.5 * h * moment_q,
             at.inertia - (skew(angular) + 0.5 * h * moment_turn) @ reach,
             (terms, (carried, deforming, angular)),
         )
 
+    def _damping(self, stiffness: Array, v: Array) -> Array:
+        if not self._damped:
+            return self._no_damping
+        return times(self._alpha * self.inertia.mass + self._beta * stiffness, v)
+
     def _slopes(self, loads: Loads, loaded: LoadsAtShape) -> tuple[Array, Array, Array]:
-        if len(loads.places):
-            return loads.slopes(loaded)
-        r = len(self.inertia.mass)
-        return np.zeros((r, 3)), np.zeros((3, r)), np.zeros((3, 3))
+        return loads.slopes(loaded) if len(loads.places) else self._no_slopes
 
     def _turned(self, start: FloatingState, spin: Array) -> tuple[Array, Array]:
         """Rotation at the end, and the Jacobian of its last turn, for a spin there."""
@@ -213,26 +223,26 @@ class FloatingStep:
     ) -> tuple[Array, Array, Array]:
         """Spin, rotation and the loads' moment that make up the angular momentum at the end."""
         h = self._h
-        deforming = times(at.coupling, v)
+        deforming, change = times(at.coupling, v), np.empty(spin.shape)
         for _ in range(_SPIN_ITERATIONS):
             rotation, jacobian = self._turned(start, spin)
             angular, loaded = self._carried(half, q, rotation, loads)
             rest = times(at.inertia, spin) + deforming - angular - 0.5 * h * loaded.moment
             reach = skew(angular) + 0.5 * h * self._slopes(loads, loaded)[2]
             slope = at.inertia - reach @ (0.5 * h * jacobian)
-            change = np.linalg.solve(slope, rest[..., None])[..., 0]
+            solve(slope, rest, change)
             spin = spin - change
             turn = 0.5 * h * times(jacobian, change)
             if np.abs(turn).max() <= _SMALL_TURN:
                 rotation = orthonormalised(rotation - rotation @ skew(turn))
                 angular, loaded = self._carried(half, q, rotation, loads)
                 right = angular + 0.5 * h * loaded.moment - deforming
-                spin = np.linalg.solve(at.inertia, right[..., None])[..., 0]
-                return spin, rotation, loaded.moment
+                solve(at.inertia, right, change)
+                return change, rotation, loaded.moment
         raise StepFailure("no angular velocity was found that keeps the angular momentum")
 
     def _carried(
         self, half: Array, q: Array, rotation: Array, loads: Loads
     ) -> tuple[Array, LoadsAtShape]:
         """Angular momentum from the first half of the step, and the loads, in the frame."""
-        return times(np.swapaxes(rotation, -1, -2), half), loads.at(q, rotation)
+        return times(transposed(rotation), half), loads.at(q, rotation)

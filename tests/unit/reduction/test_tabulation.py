@@ -82,6 +82,9 @@ def test_it_is_the_formula_that_counts() -> None:
     other = bent_body(HyperelasticEnergy(along_x, lame, density=1e3))
     with pytest.raises(MaterialError, match="HyperelasticEnergy"):
         tabulate_cubic(other, smooth_shapes(other, 1))
+    unstable = bent_body(HyperelasticEnergy(energy, {"mu": 1e5, "lmbda": -1e5}, density=1e3))
+    with pytest.raises(MaterialError, match="needs mu > 0 and a bulk modulus"):
+        tabulate_cubic(unstable, smooth_shapes(unstable, 1))
 
 
 def test_a_free_body_turns_at_no_cost() -> None:
