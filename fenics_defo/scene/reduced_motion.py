@@ -24,6 +24,7 @@ from fenics_defo.scene.newton import newton_limits
 from fenics_defo.scene.records import Scene
 from fenics_defo.scene.reduced_loads import ReducedLoads, initial_coordinates
 from fenics_defo.scene.reduced_statics import ReducedStatics
+from fenics_defo.scene.schema import EXPLICIT
 
 Array = NDArray[np.float64]
 
@@ -141,11 +142,18 @@ class ReducedMotion:
             before = body.q if body.load_at_start else None
             body.advance(load)
             self._last = None if before is None else (body.q - before, load)
-            iterations, halvings = self._scene.time.newton or 0, 0
+            iterations, halvings = self._solves(body), 0
         self._phases.add("step", time.perf_counter() - begin)
         if self._balance.is_due(body.steps):
             self.check_energy()
         return StepReport(body.time, body.steps, iterations, iterations, halvings, ())
+
+    def _solves(self, body: Stepper) -> int:
+        """Linear solves of the last step."""
+        given = self._scene.time
+        if given.integrator in EXPLICIT:
+            return 0
+        return body.iterations if given.newton is None else given.newton
 
     def _work_ahead(self) -> float:
         """What a method that knows the loads of starts only lacks in the work of the last step.
