@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import pyvista
 
+from fenics_defo import runtime
 from fenics_defo.scene import Recipe, play, read_scene, reduce_scene, simulate
 from fenics_defo.scene.records import OutputTable
 from tests.unit.scene.two_cells import IMPULSES, INITIAL, MOTIONS, SCENE, write_scene
@@ -68,6 +69,8 @@ def test_a_model_of_all_motions_is_the_simulation(tmp_path: Path, time: str) -> 
     # The scene is violent enough for the comparison to mean something.
     assert read(tmp_path / "full", "probes.csv")["tip_x"].max() > 0.01
     explicit = "central" in time or "symplectic" in time
+    assert explicit == (record["newton_iterations"] == 0)
+    assert record["energy_gain"] < 0.05
     compare(tmp_path, probes=1e-9, energies=1e-6 if explicit else 1e-9)
 
 
@@ -82,6 +85,16 @@ def test_equilibria_of_a_model_of_all_motions(tmp_path: Path) -> None:
     assert (record["status"], record["integrator"]) == ("finished", "static")
     assert record["newton_iterations"] >= 10
     assert read(tmp_path / "full", "probes.csv")["tip_x"].max() > 0.05
+    compare(tmp_path, probes=1e-9, energies=1e-9)
+
+
+def test_some_nodes_are_enough(tmp_path: Path) -> None:
+    """Only what a scene requires is stored: probes and tables need no nodes, frames all."""
+    text = SCENE + '[require]\noutputs = "z>0.9"\n'
+    record = run_both(tmp_path, text)
+    assert runtime.load(tmp_path / "model.npz").nodes.tolist() == [8, 9, 10, 11]
+    assert "motion.pvd" not in record["files"]
+    assert not (tmp_path / "played" / "motion.pvd").exists()
     compare(tmp_path, probes=1e-9, energies=1e-9)
 
 
