@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.states import Energies, State, StepReport
-from fenics_defo.errors import DefoError, StepSizeError
+from fenics_defo.errors import LoadError, SolverError, StepSizeError
 from fenics_defo.runtime import ReducedModel
 from fenics_defo.runtime.integrators import (
     BackwardEuler,
@@ -200,5 +200,5 @@ def _stepper(model: ReducedModel, scene: Scene, q: Array, v: Array, load: Array)
             case "central-differences":
                 return CentralDifferences(model, **common, allow_unstable=given.allow_unstable)
         return SymplecticEuler(model, **common, allow_unstable=given.allow_unstable)
-    except (StepSizeError, DefoError) as error:
+    except (LoadError, SolverError, StepSizeError) as error:
         raise type(error)(f"{scene.path}: [time]: {error}") from error

@@ -212,8 +212,9 @@ def test_two_ranks_give_the_same_model(command: Command, folder: Path) -> None:
     assert list(one.loads) == list(two.loads)
     rng = np.random.default_rng(4)
     for q in 0.3 * rng.standard_normal((3, 8)):
-        np.testing.assert_allclose(two.force(q), one.force(q), rtol=1e-8)
+        force = one.force(q)  # the modes, iterated on each number of ranks, tell the digits
+        np.testing.assert_allclose(two.force(q), force, rtol=0, atol=1e-8 * np.abs(force).max())
     for name, load_row in one.loads.items():
         np.testing.assert_allclose(
-            two.load(name), load_row, rtol=0, atol=1e-9 * np.abs(load_row).max()
+            two.load(name), load_row, rtol=0, atol=1e-8 * np.abs(load_row).max()
         )
