@@ -93,7 +93,12 @@ def test_json(command: Command) -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "kind", "size"), [("linear", "linear", 20), ("st-venant-kirchhoff", "cubic", 20)]
+    ("law", "kind", "size"),
+    [
+        ("linear", "linear", 20),
+        ("st-venant-kirchhoff", "cubic", 20),
+        ("neo-hookean", "cubature", 20),
+    ],
 )
 def test_the_law_settles_the_rest(command: Command, law: str, kind: str, size: int) -> None:
     assert command(*REDUCE, old="st-venant-kirchhoff", new=law)[0] == 0
@@ -126,9 +131,9 @@ def test_snapshots_of_a_simulation(command: Command) -> None:
 @pytest.mark.parametrize(
     ("arguments", "old", "new", "words"),
     [
-        ((), "st-venant-kirchhoff", "neo-hookean", "NeoHookean; choose --force taylor"),
-        (("--force", "cubic"), "st-venant-kirchhoff", "neo-hookean", "NeoHookean"),
-        (("--force", "cubature"), "", "", '"cubature" is not available yet'),
+        (("--force", "cubic"), "st-venant-kirchhoff", "neo-hookean", "NeoHookean; choose --force"),
+        (("--tolerance", "0"), "", "", "tolerance must lie between 0 and 1, got 0.0"),
+        (("--tolerance", "nan"), "", "", "tolerance must lie between 0 and 1, got nan"),
         (("--basis", "linear", "--share", "0.9"), "", "", "not by a share"),
         (("--share", "0"), "", "", "share must be above 0 and at most 1, got 0.0"),
         (("--share", "nan"), "", "", "share must be above 0 and at most 1, got nan"),
