@@ -26,6 +26,8 @@ _FACES = {
 _LEVER = 1e-6
 # Blocks that hang together by nodes or edges only are analysed up to this number.
 _BLOCKS = 100
+# Three numbers below this make one of 63 bits.
+_MOST_NODES = 2**21
 
 
 def rigid_motions(points: Array, centre: Array) -> Array:
@@ -55,16 +57,28 @@ def blocks(corners: Ints) -> tuple[int, Ints]:
     Returns:
         number of parts, and the part of each cell (m,).
     """
-    faces = np.sort(corners[:, _FACES[corners.shape[1]]], axis=-1)
-    per_cell = faces.shape[1]
-    keys = faces.reshape(-1, faces.shape[2])[:, :3]  # two faces of a sound mesh share two corners
-    order = np.lexsort((keys[:, 2], keys[:, 0] * (int(corners.max()) + 1) + keys[:, 1]))
-    same = (keys[order[1:]] == keys[order[:-1]]).all(axis=1)
-    one, other = order[:-1][same] // per_cell, order[1:][same] // per_cell
+    faces = _FACES[corners.shape[1]]
+    keys = _face_keys(corners[:, faces].reshape(-1, faces.shape[1]))
+    order = np.argsort(keys)
+    same = np.flatnonzero(keys[order[1:]] == keys[order[:-1]])
+    one, other = order[same] // len(faces), order[same + 1] // len(faces)
     shape = (len(corners), len(corners))
     links = sparse.coo_array((np.ones(len(one), np.int8), (one, other)), shape=shape)
     number, labels = csgraph.connected_components(links, directed=False)
     return int(number), labels.astype(np.int64)
+
+
+def _face_keys(faces: Ints) -> Ints:
+    """One number for each face (f, 3 or 4) that tells it from others, whatever its corners' order.
+
+    Its smallest three corners do: two faces of a sound mesh share two corners at most.
+    """
+    least = np.sort(faces, axis=1).astype(np.int64)
+    nodes = int(least.max()) + 1
+    pairs = least[:, 0] * nodes + least[:, 1]
+    if nodes > _MOST_NODES:  # three would not fit into 64 bits: number the pairs there are
+        pairs = np.unique(pairs, return_inverse=True)[1].reshape(-1)
+    return pairs * nodes + least[:, 2]
 
 
 def strainless_motions(points: Array, cells: Ints, corners: int, held: NDArray[np.bool_]) -> Array:
