@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 _FLAGS = ("-O3", "-std=c17", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast")
 # Vectors that the loops take at once.
-_WIDE = 8
+_WIDE = 12
 
 
 @cache
@@ -99,7 +99,7 @@ class Pencil:
                 product[self._held_rows] = 0.0
 
     def _some(self, block: Array, shifts: Array, images: Array, momenta: Array | None) -> None:
-        """At most eight columns."""
+        """At most twelve columns."""
         library, width = _library(), ctypes.c_int(block.shape[1])
         packed = self._packed.array
         rows = ctypes.c_int64(len(block))
