@@ -16,6 +16,7 @@ from fenics_defo.fem.jit import compiled
 from fenics_defo.fem.mass import ConsistentMass, Entries
 from fenics_defo.fem.parts import Part
 from fenics_defo.fem.pencil import Pencil
+from fenics_defo.fem.tangent_derivative import add_tangent_derivatives
 from fenics_defo.fem.ufl_part import add_form
 
 Array = NDArray[np.float64]
@@ -149,6 +150,19 @@ class Assembly:
         self._add_tangents(local, self._cleared_force())
         self._blocks.write(matrix, self._held_blocks, diagonal=diagonal)
         return self._finished_force()
+
+    def fill_tangent_derivative(self, matrix: PETSc.Mat, local: Array, direction: Array) -> None:
+        """Overwrite a matrix from `empty_matrix` with d/ds K(u + s d) at s = 0, held rows zero.
+
+        Collective.
+
+        Args:
+            matrix: from `empty_matrix` of this body, whatever its values.
+            local: u (d, 3) [m].
+            direction: d (d, 3), zero at held components.
+        """
+        add_tangent_derivatives(self._parts, local, direction, self._blocks, self.comm)
+        self._blocks.write(matrix, self._held_blocks, diagonal=0.0)
 
     def _add_tangents(self, local: Array, force: Array | None) -> None:
         self._present = local
