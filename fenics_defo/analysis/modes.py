@@ -97,10 +97,9 @@ def linear_modes(
             phases=phases,
         )
         pairs, complete = search.run(verify=verify and solver != "iterative")
-        tolerance = residual_tolerance
-        if tolerance is None and solver == "iterative":
-            tolerance = _ITERATIVE_RESIDUAL
-        pairs, residuals = _checked(body, pairs, tolerance, 2.0 * cluster_tolerance)
+        if residual_tolerance is None and solver == "iterative":
+            residual_tolerance = _ITERATIVE_RESIDUAL
+        pairs, residuals = _checked(body, pairs, residual_tolerance, 2.0 * cluster_tolerance)
         modes = _modes(body, pairs, residuals, complete=complete)
     if keep_rigid:
         return modes

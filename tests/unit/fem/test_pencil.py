@@ -59,4 +59,3 @@ def test_held_components_stay_zero(body: Body) -> None:
     held = assembly.held[: assembly.owned].ravel()
     assert held.any()
     assert not assembly.pencil(stiffness).multiply(block, shift=3.0)[held].any()
-
