@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 BlockMap = Callable[[Array], Array]
 
 #: Vectors solved for at once: more of them read the factors less often, and are more in all.
-BLOCK = 8
+BLOCK = 12
 
 _GUARD_TOLERANCE = 1e-3
 # Multiple of the tolerance at which errors may stagnate: the stiffness of long thin bodies is so

@@ -4,6 +4,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import get_args
 
+from mpi4py import MPI
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -81,26 +83,12 @@ def linear_modes(
     _check_arguments(solid, displacement, solver, residual_tolerance, cluster_tolerance, seed)
     with ExitStack() as stack:
         with phases("assemble"):
-            motions = free_motions(solid, displacement)
-            limit = int(np.count_nonzero(~solid.held & solid.nodes.carried[:, None]))
-            limit -= 0 if keep_rigid else len(motions)
-            if limit == 0:
-                raise DefoError(
-                    "nothing is left free to move; hold fewer nodes, or keep rigid modes"
-                )
-            if not (isinstance(count, int | np.integer) and 1 <= count <= limit):
-                raise DefoError(
-                    f"count must be a whole number from 1 to {limit}, the motions of this body, "
-                    f"got {count!r}"
-                )
-            if displacement is None:
-                check_unstressed(solid)
-            body = _assemble(stack, solid, displacement, motions)
+            body = _body(stack, solid, displacement, count, keep_rigid)
         search = Search(
             deflation=body.deflation,
             near_kernel=body.fields[:, :6],
             scale=body.scale,
-            strainless=len(motions),
+            strainless=body.strainless,
             solver=solver,
             count=int(count),
             keep_rigid=keep_rigid,
@@ -109,10 +97,9 @@ def linear_modes(
             phases=phases,
         )
         pairs, complete = search.run(verify=verify and solver != "iterative")
-        tolerance = residual_tolerance
-        if tolerance is None and solver == "iterative":
-            tolerance = _ITERATIVE_RESIDUAL
-        pairs, residuals = _checked(body, pairs, tolerance, 2.0 * cluster_tolerance)
+        if residual_tolerance is None and solver == "iterative":
+            residual_tolerance = _ITERATIVE_RESIDUAL
+        pairs, residuals = _checked(body, pairs, residual_tolerance, 2.0 * cluster_tolerance)
         modes = _modes(body, pairs, residuals, complete=complete)
     if keep_rigid:
         return modes
@@ -150,6 +137,7 @@ class _Body:
     Args:
         solid: the body.
         deflation: its matrices and shift, and its strainless motions.
+        strainless: number of motions that strain nothing at rest.
         inertia: its masses.
         node_mass: lumped (n,) [kg].
         scale: about a deformed state, estimate of the first elastic λ, from above [rad²/s²].
@@ -159,10 +147,30 @@ class _Body:
 
     solid: Solid
     deflation: Deflation
+    strainless: int
     inertia: Inertia
     node_mass: Array
     scale: float
     fields: Array
+
+
+def _body(
+    stack: ExitStack, solid: Solid, displacement: Array | None, count: int, keep_rigid: bool
+) -> _Body:
+    """A body ready for the search of so many modes; the stack will destroy its matrices."""
+    motions = free_motions(solid, displacement)
+    limit = int(np.count_nonzero(~solid.held & solid.nodes.carried[:, None]))
+    limit -= 0 if keep_rigid else len(motions)
+    if limit == 0:
+        raise DefoError("nothing is left free to move; hold fewer nodes, or keep rigid modes")
+    if not (isinstance(count, int | np.integer) and 1 <= count <= limit):
+        raise DefoError(
+            f"count must be a whole number from 1 to {limit}, the motions of this body, "
+            f"got {count!r}"
+        )
+    if displacement is None:
+        check_unstressed(solid)
+    return _assemble(stack, solid, displacement, motions)
 
 
 def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motions: Array) -> _Body:
@@ -191,19 +199,20 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
             # Loads that keep their direction give the motions a stiffness, as to a pendulum.
             shifted = replace(problem, shift=-_SHIFT * scale)
             deflation = deflated(solid, shifted, motions[:0])
-    return _Body(solid, deflation, body_inertia(solid), node_mass, scale, fields)
+    return _Body(solid, deflation, len(motions), body_inertia(solid), node_mass, scale, fields)
 
 
 def _polynomials(solid: Solid, points: Array, node_mass: Array, problem: EigenProblem) -> Array:
     """Quadratic displacement fields (owned dofs, 30) over the box of the points, scaled."""
     owned, low, high = solid.assembly.owned, points.min(axis=0), points.max(axis=0)
     place = (points - 0.5 * (low + high)) / (0.5 * float(np.max(high - low)))
-    own = quadratic_fields(solid.nodes.scatter(place)[:owned]).reshape(30, -1).T
-    fields = np.asfortranarray(own * problem.free[:, None])
+    own = quadratic_fields(solid.nodes.scatter(place)[:owned]).reshape(30, -1)
+    own[:, ~problem.free] = 0.0
     masses = np.repeat(solid.nodes.scatter(node_mass)[:owned], 3)
-    norms = problem.norms(fields * np.sqrt(masses)[:, None])
-    fields /= np.where(norms > 0.0, norms, 1.0)
-    return fields
+    squares = np.einsum("ij,ij,j->i", own, own, masses)
+    problem.comm.Allreduce(MPI.IN_PLACE, squares, op=MPI.SUM)
+    own /= np.sqrt(np.where(squares > 0.0, squares, 1.0))[:, None]
+    return own.T
 
 
 def _first_elastic(problem: EigenProblem, fields: Array, rigid: int) -> float:

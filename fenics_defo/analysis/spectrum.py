@@ -98,12 +98,17 @@ def quadratic_fields(points: Array) -> Array:
     """
     one = np.ones(len(points))
     x, y, z = points.T
-    scalars = [one, x, y, z, x * x, y * y, z * z, x * y, y * z, z * x]
     fields = np.zeros((30, len(points), 3))
-    for place, scalar in enumerate(scalars):
-        for axis in range(3):
-            fields[3 * place + axis, :, axis] = scalar
-    rotations = [np.cross(np.eye(3)[axis], points) for axis in range(3)]
+    fields[range(3), :, range(3)] = one
+    for axis, (first, second) in enumerate(((1, 2), (2, 0), (0, 1))):
+        fields[3 + axis, :, second] = points[:, first]
+        fields[3 + axis, :, first] = -points[:, second]
     # Of each pair of shears one gives way to the rotation.
-    kept = [i for i in range(30) if i not in (3 + 1, 6 + 2, 9 + 0)]
-    return np.concatenate([fields[:3], np.array(rotations), fields[[i for i in kept if i > 2]]])
+    strains = [(x, (0, 2)), (y, (0, 1)), (z, (1, 2))]
+    quadrics = [(scalar, (0, 1, 2)) for scalar in (x * x, y * y, z * z, x * y, y * z, z * x)]
+    place = 6
+    for scalar, axes in (*strains, *quadrics):
+        for axis in axes:
+            fields[place, :, axis] = scalar
+            place += 1
+    return fields

@@ -1,33 +1,18 @@
 """The loops over cells of ``native/cells.c``: arrays in, arrays added to."""
 
 import ctypes
-import subprocess
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.errors import MissingDependencyError
-from fenics_defo.fem.jit import architecture
-from fenics_defo.fem.native_library import SOURCES, build_library, cache_folder
+from fenics_defo.fem.loops import loops
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int32]
 
-_FLAGS = ("-O3", "-std=c17", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast")
 
-
-@cache
 def _library() -> ctypes.CDLL:
-    flags = (*_FLAGS, *architecture())
-    try:
-        path = build_library(SOURCES / "cells.c", flags=flags, folder=cache_folder())
-        return ctypes.CDLL(str(path))
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise MissingDependencyError(
-            f"the loops over cells cannot be compiled ({error}): install a C compiler (gcc), which "
-            "DOLFINx needs too, and check that its cache, ~/.cache/fenics, can be written"
-        ) from error
+    return loops("cells")
 
 
 def _pointer(array: NDArray, kind: type) -> ctypes.c_void_p:

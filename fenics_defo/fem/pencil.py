@@ -1,39 +1,21 @@
 """K and M times blocks of vectors, both in one pass (``native/pencil.c``)."""
 
 import ctypes
-import subprocess
-from functools import cache
 
 from petsc4py import PETSc
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.errors import MissingDependencyError
 from fenics_defo.fem.block_matrix import BlockMatrix
 from fenics_defo.fem.compat import dolfinx
-from fenics_defo.fem.jit import architecture
+from fenics_defo.fem.loops import loops
 from fenics_defo.fem.mass import ConsistentMass
-from fenics_defo.fem.native_library import SOURCES, build_library, cache_folder
 
 Array = NDArray[np.float64]
 
-_FLAGS = ("-O3", "-std=c17", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast")
 # Vectors that the loops take at once.
-_WIDE = 8
-
-
-@cache
-def _library() -> ctypes.CDLL:
-    flags = (*_FLAGS, *architecture())
-    try:
-        path = build_library(SOURCES / "pencil.c", flags=flags, folder=cache_folder())
-        return ctypes.CDLL(str(path))
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise MissingDependencyError(
-            f"the products of matrices cannot be compiled ({error}): install a C compiler (gcc), "
-            "which DOLFINx needs too, and check that its cache, ~/.cache/fenics, can be written"
-        ) from error
+_WIDE = 12
 
 
 def _at(array: NDArray) -> ctypes.c_void_p:
@@ -99,8 +81,8 @@ class Pencil:
                 product[self._held_rows] = 0.0
 
     def _some(self, block: Array, shifts: Array, images: Array, momenta: Array | None) -> None:
-        """At most eight columns."""
-        library, width = _library(), ctypes.c_int(block.shape[1])
+        """At most twelve columns."""
+        library, width = loops("pencil"), ctypes.c_int(block.shape[1])
         packed = self._packed.array
         rows = ctypes.c_int64(len(block))
         library.fenics_defo_pack(rows, width, _at(block), _at(packed))

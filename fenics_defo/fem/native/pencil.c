@@ -1,17 +1,17 @@
 /* Products of K - a M and M with blocks of vectors, in one pass over both.
  *
  * K is in 3x3 blocks, each stored column by column as PETSc does; M = m times the identity of 3x3,
- * with m on the same pattern of nodes. Vectors are columns; inside, eight of them lie side by side in
+ * with m on the same pattern of nodes. Vectors are columns; inside, twelve of them lie side by side in
  * rows of `packed`, so that each block of K is read once for all and a node's values are neighbours.
  */
 #include <stdint.h>
 
-enum { WIDE = 8, HALF = 4, TILE = 8 /* nodes whose results are turned into columns together */ };
+enum { WIDE = 12, LANES = 4, TILE = 8 /* nodes whose results are turned into columns together */ };
 
 /* Four numbers that the compiler keeps in one register where the processor has such. */
-typedef double four __attribute__((vector_size(HALF * sizeof(double)), aligned(sizeof(double))));
+typedef double four __attribute__((vector_size(LANES * sizeof(double)), aligned(sizeof(double))));
 
-/* Columns (rows, width) to rows of eight, with zeros where there are fewer. */
+/* Columns (rows, width) to rows of twelve, with zeros where there are fewer. */
 void fenics_defo_pack(int64_t rows, int width, const double *columns, double *packed)
 {
   for (int64_t begin = 0; begin < rows; begin += TILE) {
@@ -30,7 +30,7 @@ static void unpack(int64_t rows, int64_t begin, int count, int width, const doub
       columns[j * rows + begin + r] = tile[WIDE * r + j];
 }
 
-/* One node's rows of K x - a m x and m x, for four of the eight columns. */
+/* One node's rows of K x - a m x and m x, for four of the columns. */
 static inline void row(int64_t begin, int64_t end, const int32_t *columns, const double *K,
                        const double *m, const double *packed, const double *shift, double *image,
                        double *momentum)
@@ -56,7 +56,7 @@ static inline void row(int64_t begin, int64_t end, const int32_t *columns, const
   *(four *)(momentum + 2 * WIDE) = m2;
 }
 
-/* K X - M X a and M X by columns (3 nodes, width), width at most 8; `momenta` may be null. */
+/* K X - M X a and M X by columns (3 nodes, width), width at most 12; `momenta` may be null. */
 void fenics_defo_pencil(int64_t nodes, const int64_t *first, const int32_t *columns,
                         const double *K, const double *m, const double *packed,
                         const double *shifts, int width, double *images, double *momenta)
@@ -65,9 +65,9 @@ void fenics_defo_pencil(int64_t nodes, const int64_t *first, const int32_t *colu
   for (int64_t begin = 0; begin < nodes; begin += TILE) {
     const int count = begin + TILE < nodes ? TILE : (int)(nodes - begin);
     for (int i = 0; i < count; ++i)
-      for (int half = 0; half < width; half += HALF) {
-        const int place = 3 * WIDE * i + half;
-        row(first[begin + i], first[begin + i + 1], columns, K, m, packed + half, shifts + half,
+      for (int lane = 0; lane < width; lane += LANES) {
+        const int place = 3 * WIDE * i + lane;
+        row(first[begin + i], first[begin + i + 1], columns, K, m, packed + lane, shifts + lane,
             image + place, momentum + place);
       }
     unpack(3 * nodes, 3 * begin, 3 * count, width, image, images);

@@ -21,7 +21,7 @@ from fenics_defo.energy import (
 )
 from fenics_defo.fem.compat import MPI, dolfinx
 from fenics_defo.fem.imported import MeshData, mesh_record
-from fenics_defo.fem.linalg import combine
+from fenics_defo.fem.linalg import combine, multiply
 from fenics_defo.fem.linear_solvers import linear_solver
 from fenics_defo.fem.ranks import on_first_rank
 from fenics_defo.fem.surface_loads import PressureForm, surface_weights
@@ -57,6 +57,7 @@ def numbers(solid: fem.Solid) -> dict[str, Array]:
     held = solid.nodes.scatter(solid.held)
     K, M = solid.assembly.stiffness_matrix(diagonal=5.0), solid.assembly.mass.matrix()
     norms = [K.norm(), M.norm(), K.getDiagonal().norm(), M.getDiagonal().norm()]
+    check_pencil(solid, K)
     K.destroy()
     M.destroy()
     assert solid.assembly.owned == solid.nodes.owned <= len(held)
@@ -70,6 +71,19 @@ def numbers(solid: fem.Solid) -> dict[str, Array]:
     }
     np.testing.assert_array_equal(found["back"], u[solid.nodes.carried])
     return {name: on_all_ranks(value) for name, value in found.items()}
+
+
+def check_pencil(solid: fem.Solid, K: Any) -> None:
+    """Both products in one pass are those of PETSc and SciPy, on any number of ranks."""
+    held = solid.assembly.held[: solid.assembly.owned].ravel()
+    block = np.random.default_rng(COMM.rank).standard_normal((len(held), 14))
+    block[held] = 0.0
+    block = np.asfortranarray(block)
+    images, momenta = multiply(K, block), solid.assembly.mass.multiply(block)
+    both = solid.assembly.pencil(K).multiply(block)
+    for found, expected in zip(np.hsplit(both, 2), (images, momenta), strict=True):
+        size = COMM.allreduce(float(np.abs(expected).max(initial=0.0)), op=MPI.MAX)
+        np.testing.assert_allclose(found, expected, atol=1e-13 * size)
 
 
 def bodies() -> dict[str, dict[str, Array]]:
