@@ -42,8 +42,8 @@ class IsotropicKernel:
         P = 2 ψ₁ F + 2 ψ₂ F × H + ψ_J H,
         ∂P/∂F = Σ_ab ψ_ab z_a ⊗ z_b + 2 ψ₁ I + 2 ψ₂ (F×)(F×) + (ψ_J F + 2 ψ₂ H)×,
 
-    where z₁ = 2 F, z₂ = 2 F × H, z_J = H and X× is the matrix of the product with X. What a law does
-    not depend on is left out.
+    where z₁ = 2 F, z₂ = 2 F × H, z_J = H and X× is the matrix of the product with X. What a law
+    does not depend on is left out.
 
     Args:
         listing: of three invariants and the parameters; gives ψ, ψ₁, ψ₂, ψ_J, and ψ₁₁, ψ₁₂, ψ₁_J,
@@ -112,10 +112,10 @@ class IsotropicKernel:
         np.multiply(p, q, out=H)
         np.multiply(r, s, out=self._products)
         np.subtract(H, self._products, out=H)
-        np.vecdot(F, F, axis=0, out=invariants[0])
-        np.vecdot(F[:3], H[:3], axis=0, out=invariants[2])
+        np.vecdot(F.T, F.T, out=invariants[0])
+        np.vecdot(F[:3].T, H[:3].T, out=invariants[2])
         if self._uses_I2:
-            np.vecdot(H, H, axis=0, out=invariants[1])
+            np.vecdot(H.T, H.T, out=invariants[1])
 
     def _stresses(self, slopes: Array) -> Array:
         """P of ψ₁, ψ₂, ψ_J, the first rows of ``slopes``; F × H is kept in z₂ / 2."""
@@ -131,7 +131,8 @@ class IsotropicKernel:
         """z₂ = 2 F × H from the minors of F, which are overwritten."""
         of_F = self._minors
         for row, partner in enumerate((1, 0, 3, 2)):  # p and q, q and p, r and s, s and r
-            of_H = np.take(self._cofactor, _MINORS[partner], axis=0, out=self._products, mode="clip")
+            of_H = self._products
+            np.take(self._cofactor, _MINORS[partner], axis=0, out=of_H, mode="clip")
             of_F[row] *= of_H
         np.add(of_F[0], of_F[1], out=self._z2)
         self._z2 -= of_F[2]
