@@ -69,6 +69,7 @@ class CubatureTraining:
             "pose_kind": self.kind,
             "redrawn": self.redrawn,
             "largest_strain": float(self.strains.max()),
+            "largest_point_strain": float(self.force.strains(self.poses).max()),
             "largest_coordinates": np.abs(self.poses).max(axis=0).tolist(),
             "rest_frequency_error": self.rest_error,
             "keeps_rest_stiffness": self.force.correction is not None,

@@ -30,7 +30,7 @@ type Method = Literal["thinned", "greedy", "ecsw"]
 #: Candidates looked at for each point where not all are.
 SUBSET = 1000
 _SEARCHES = {
-    "thinned": Search(subset=SUBSET, finalists=100, rounds=6),
+    "thinned": Search(subset=SUBSET, finalists=50, rounds=6),
     "greedy": Search(subset=SUBSET),
     "ecsw": Search(subset=None),
 }
