@@ -28,6 +28,7 @@ from cubature_timings import Beam
 from numpy.typing import NDArray
 
 from fenics_defo import energy, reduction, runtime
+from fenics_defo.reduction.reducing import ForceKind
 
 type Array = NDArray[np.float64]
 type Row = dict[str, Any]
@@ -56,7 +57,7 @@ class Judge:
     forces: Array
 
     @classmethod
-    def of(cls, beam: Beam, force: str, steps: int) -> "Judge":
+    def of(cls, beam: Beam, force: ForceKind, steps: int) -> "Judge":
         """Judge by a force that is exact for the beam's law: "cubic" or "direct"."""
         model = reduction.reduce(beam.solid, beam.basis, force)
         path = swing(model, steps)
