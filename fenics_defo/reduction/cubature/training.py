@@ -1,12 +1,12 @@
 """From a body and a basis to a cubature of any energy, judged by poses held out from training."""
 
-import time
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fenics_defo.analysis import Phases
 from fenics_defo.errors import DefoError
 from fenics_defo.fem import Solid
 from fenics_defo.reduction.cubature.candidates import (
@@ -21,6 +21,7 @@ from fenics_defo.reduction.cubature.poses import Cloud, PoseSampler, rest_stiffn
 from fenics_defo.reduction.cubature.progress import Observer
 from fenics_defo.reduction.cubature.result import CubatureTraining
 from fenics_defo.reduction.cubature.selection import Search, Selection, select
+from fenics_defo.runtime.forces import CubatureForce
 
 Array = NDArray[np.float64]
 
@@ -83,16 +84,16 @@ def train_cubature(
     """
     U = np.asarray(shapes, np.float64)
     _check(tolerance, most, count, strain, method)
-    seconds: dict[str, float] = {}
-    with _timed(seconds, "candidates"):
+    phases = Phases()
+    with phases("candidates"):
         groups = candidates(solid, U)
         random = np.random.default_rng(seed)
         sampler = PoseSampler(groups, solid.comm, random)
-    with _timed(seconds, "poses"):
+    with phases("poses"):
         kind, train, judge = _clouds(sampler, poses, count or _pose_count(len(U)), strain)
         training = _answered(groups, train, solid)
         held_out = replace(_answered(groups, judge, solid), answers=())
-    with _timed(seconds, "selection"):
+    with phases("selection"):
         pool = Pool(groups, training, solid.comm)
         chosen = select(
             pool,
@@ -105,11 +106,9 @@ def train_cubature(
             comm=solid.comm,
             observe=observe,
         )
-    force = assembled(groups, chosen.numbers, chosen.weights, solid.comm)
-    exact = rest_stiffness(groups, solid.comm)
-    lack = exact - force.stiffness(np.zeros(force.size))
+    force, rest_error = _law(groups, chosen, solid, keep_rest_stiffness)
     return CubatureTraining(
-        force=corrected(force, lack) if keep_rest_stiffness else force,
+        force=force,
         curve=chosen.curve,
         tolerance=tolerance,
         poses=train.coordinates,
@@ -118,8 +117,8 @@ def train_cubature(
         redrawn=train.redrawn + judge.redrawn,
         seed=seed,
         candidates=pool.size,
-        rest_error=frequency_error(exact, lack),
-        seconds=seconds,
+        rest_error=rest_error,
+        seconds=dict(phases.seconds),
         training_error=chosen.training,
         held_out_error=chosen.held_out,
         method=method,
@@ -178,6 +177,17 @@ def _answered(groups: tuple[LawPoints, ...], cloud: Cloud, solid: Solid) -> Pose
     return Poses(cloud.coordinates, forces, answers)
 
 
+def _law(
+    groups: tuple[LawPoints, ...], chosen: Selection, solid: Solid, keep_rest_stiffness: bool
+) -> tuple[CubatureForce, float]:
+    """The law of the points, and the error of its frequencies at rest before any correction."""
+    force = assembled(groups, chosen.numbers, chosen.weights, solid.comm)
+    exact = rest_stiffness(groups, solid.comm)
+    lack = exact - force.stiffness(np.zeros(force.size))
+    kept = corrected(force, lack) if keep_rest_stiffness else force
+    return kept, frequency_error(exact, lack)
+
+
 def _advice(chosen: Selection, tolerance: float) -> str | None:
     training, held_out = chosen.training, chosen.held_out
     if chosen.is_interrupted:
@@ -193,16 +203,3 @@ def _advice(chosen: Selection, tolerance: float) -> str | None:
             f"{tolerance:.3g}: train with more poses"
         )
     return None
-
-
-class _timed:
-    """Adds the seconds of a with statement to a phase."""
-
-    def __init__(self, seconds: dict[str, float], name: str) -> None:
-        self._seconds, self._name = seconds, name
-
-    def __enter__(self) -> None:
-        self._begin = time.perf_counter()
-
-    def __exit__(self, *_: object) -> None:
-        self._seconds[self._name] = time.perf_counter() - self._begin
