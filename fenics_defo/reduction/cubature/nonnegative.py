@@ -32,12 +32,8 @@ class GrowingLeastSquares:
         #: Number that each column was added under, in the order of `weights`.
         self.keys: list[int] = []
         self.weights: Array = np.zeros(0)
-
-    @property
-    def residual(self) -> Array:
-        """B − Σ w_k c_k (rows,)."""
-        residual: Array = self._target - self.weights @ self._columns
-        return residual
+        #: Of the last solution, b − Σ w_k c_k (rows,).
+        self.residual: Array = target
 
     @property
     def error(self) -> float:
@@ -105,6 +101,7 @@ class GrowingLeastSquares:
             free = _solution(self._gram, self._products)
             if (free > 0.0).all():
                 self.weights = free
+                self.residual = self._target - free @ self._columns
                 return
             # As far towards the free solution as no weight turns negative; what stops it leaves.
             falling = free <= 0.0
