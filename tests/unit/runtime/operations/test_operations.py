@@ -133,3 +133,15 @@ def test_codes_never_change_and_are_all_different():
     codes = [operation.code for operation in OPERATIONS.values()]
     assert codes == list(range(1, 36))
     assert list(OPERATIONS)[:4] == ["add", "subtract", "multiply", "divide"]
+
+
+def test_a_list_can_be_cut_down_to_some_outputs_and_take_its_inputs_from_a_given_array():
+    steps = [("multiply", 0, 1), ("exp", 3), ("add", 3, 2), ("square", 5)]
+    whole = listing(steps, constants=[0.5], outputs=(-1, -3, 3))
+    x, y = np.linspace(-1, 1, 5), np.linspace(2, 3, 5)
+    for rows in ([0], [2, 0], [1, 2]):
+        part = whole.only(rows)
+        given = np.array([x, y])
+        found = Machine(part, (5,), {}, inputs=given).run()
+        np.testing.assert_array_equal(found, run(whole, x, y)[rows])
+    assert whole.only([2]).codes.size == 1
