@@ -69,7 +69,7 @@ class IsotropicKernel:
         self._cofactor, self._stress, self._z2 = np.zeros((3, 9, count))
         self._factor = np.zeros(count)
         self._features = np.zeros((10, count))
-        self._tangent, self._added = np.zeros((2, count, 9, 9))
+        self._tangent, self._added, self._squared = np.zeros((3, count, 9, 9))
         self._slopes, self._bent = np.zeros((2, count, len(self._active), 9))
 
     def energy(self) -> Array:
@@ -150,7 +150,7 @@ class IsotropicKernel:
             features[:9] += np.multiply(self._cofactor, twice, out=self._products)
             np.dot(self.gradients.T, _CROSS, out=flat)
             np.multiply(tangent, twice[:, None, None], out=added)
-            squared = np.matmul(added, tangent)
+            squared = np.matmul(added, tangent, out=self._squared)
             np.dot(features.T, _CROSS_AND_EYE, out=flat)
             tangent += squared
         else:
@@ -168,9 +168,9 @@ class IsotropicKernel:
         for place, a in enumerate(self._active):
             self._slopes[:, place] = z[a].T
             total = self._minors[1]
-            total[:] = 0.0
-            for b in self._active:
-                row = self._second.get((min(a, b), max(a, b)))
-                if row is not None:
-                    total += np.multiply(z[b], outputs[row - 1], out=self._products)
+            rows = [(b, self._second.get((min(a, b), max(a, b)))) for b in self._active]
+            named = [(z[b], outputs[row - 1]) for b, row in rows if row is not None]
+            np.multiply(*named[0], out=total)
+            for slope, second in named[1:]:
+                total += np.multiply(slope, second, out=self._products)
             self._bent[:, place] = total.T
