@@ -133,3 +133,39 @@ def test_codes_never_change_and_are_all_different():
     codes = [operation.code for operation in OPERATIONS.values()]
     assert codes == list(range(1, 36))
     assert list(OPERATIONS)[:4] == ["add", "subtract", "multiply", "divide"]
+
+
+def test_a_list_can_be_cut_down_to_some_outputs_and_take_its_inputs_from_a_given_array():
+    steps = [("multiply", 0, 1), ("exp", 3), ("add", 3, 2), ("square", 5)]
+    whole = listing(steps, constants=[0.5], outputs=(-1, -3, 3))
+    x, y = np.linspace(-1, 1, 5), np.linspace(2, 3, 5)
+    for rows in ([0], [2, 0], [1, 2]):
+        part = whole.only(rows)
+        given = np.array([x, y])
+        found = Machine(part, (5,), {}, inputs=given).run()
+        np.testing.assert_array_equal(found, run(whole, x, y)[rows])
+    assert whole.only([2]).codes.size == 1
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_garbage_is_refused_or_runs_to_its_end(data):
+    """What a damaged or hostile file may hold: any numbers of the right kind."""
+    count, inputs = data.draw(st.integers(0, 6)), data.draw(st.integers(0, 3))
+    anything = st.integers(-2, 12) | st.integers(-(2**63), 2**63 - 1)
+    codes = st.integers(0, 40) | anything
+    try:
+        code = OperationList(
+            inputs=inputs,
+            constants=np.array(data.draw(st.lists(st.floats(), max_size=3)), float),
+            codes=np.array(data.draw(st.lists(codes, min_size=count, max_size=count)), np.int64),
+            operands=np.array(
+                data.draw(st.lists(anything, min_size=3 * count, max_size=3 * count)), np.int64
+            ).reshape(-1, 3),
+            outputs=np.array(data.draw(st.lists(anything, min_size=1, max_size=3)), np.int64),
+        )
+    except FileFormatError:
+        return
+    machine = Machine(code, (4,), {})
+    with np.errstate(all="ignore"):
+        assert machine.run().shape == (code.outputs.size, 4)
