@@ -2,7 +2,7 @@
 
 import statistics
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fenics_defo import analysis, fem, reduction, runtime
 
 type Array = NDArray[np.float64]
+type Force = Callable[[int, runtime.ImplicitNewmark], Array]  # of the step's number, and the run
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,17 +150,30 @@ def model_of(
 
 
 def run_reduced(
-    story: Story, name: str, model: runtime.ReducedModel, offline: float, full: Full
+    story: Story,
+    name: str,
+    model: runtime.ReducedModel,
+    offline: float,
+    full: Full,
+    force: Force | None = None,
 ) -> Reduced:
-    """The reduced run with the same integrator, step and loads."""
+    """The reduced run with the same integrator and steps.
+
+    Args:
+        story: told.
+        name: for the table.
+        model: of the story's body.
+        offline: seconds to make it.
+        full: the run beside it.
+        force: generalised force (r,) at the end of a step; that of the story's loads if not given.
+    """
     run = runtime.ImplicitNewmark(model, step=story.step, newton=story.newton)
     forces = forces_over_time(story, model)
     path, seconds = np.zeros((story.frames, model.size)), []
     for frame in range(story.frames):
-        within = forces[frame * story.every : (frame + 1) * story.every]
         begin = time.process_time()
-        for force in within:
-            run.advance(force)
+        for number in range(frame * story.every, (frame + 1) * story.every):
+            run.advance(forces[number] if force is None else force(number, run))
         seconds.append((time.process_time() - begin) / story.every)
         path[frame] = run.q
     return Reduced(
@@ -209,13 +223,6 @@ def errors(solid: fem.Solid, model: runtime.ReducedModel, path: Array, frames: A
     return np.array(apart) / whole
 
 
-def distances(solid: fem.Solid, one: Array, other: Array) -> Array:
-    """Distances (k,) of two motions (k, n, 3) in the norm of the mass, over the first's largest."""
-    mass = solid.lumped_mass()
-    whole = max(_norm(frame, mass) for frame in one)
-    return np.array([_norm(a - b, mass) for a, b in zip(one, other, strict=True)]) / whole
-
-
 def setting(story: Story) -> str:
     """How both were run, in a sentence or two."""
     newton = {1: "one Newton iteration", None: "Newton's method converged"}.get(
@@ -263,11 +270,13 @@ def draw(full: Full, runs: list[Reduced], axis: int, what: str) -> Any:
     return figure
 
 
-def draw_paths(axes: Any, full: Full, runs: list[Reduced], axis: int) -> None:
-    """A component of the watched point's displacement over time."""
+def draw_paths(
+    axes: Any, full: Full, runs: list[Reduced], axis: int, names: Sequence[str] = ()
+) -> None:
+    """A component of the watched point's displacement over time; ``names`` instead of the runs'."""
     axes.plot(full.times, 1e3 * full.watched[:, axis], "k", lw=3, alpha=0.35, label="full")
-    for run in runs:
-        axes.plot(full.times, 1e3 * run.watched[:, axis], lw=1.2, label=run.name)
+    for run, name in zip(runs, names or [run.name for run in runs], strict=True):
+        axes.plot(full.times, 1e3 * run.watched[:, axis], lw=1.2, label=name)
     axes.grid(alpha=0.3)
     axes.legend(fontsize=8)
 
