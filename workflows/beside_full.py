@@ -267,7 +267,14 @@ def draw(full: Full, runs: list[Reduced], axis: int, what: str) -> Any:
     draw_errors(below, full, runs)
     above.set_ylabel(f"{what} [mm]")
     below.set_xlabel("time [s]")
+    one_legend(figure, above)
     return figure
+
+
+def one_legend(figure: Any, axes: Any, columns: int = 2) -> None:
+    """One legend above a figure, of what these axes show."""
+    handles, names = axes.get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside upper center", ncols=columns, fontsize=8)
 
 
 def draw_paths(
@@ -278,7 +285,6 @@ def draw_paths(
     for run, name in zip(runs, names or [run.name for run in runs], strict=True):
         axes.plot(full.times, 1e3 * run.watched[:, axis], lw=1.2, label=name)
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8)
 
 
 def draw_errors(axes: Any, full: Full, runs: list[Reduced]) -> None:

@@ -245,15 +245,15 @@ def report(chapters: dict[str, Chapter], counts: Array) -> str:
 
 def draw(chapters: dict[str, Chapter], curves: dict[str, Array], counts: Array) -> Any:
     """Paths, errors over time, error against points, points against coordinates."""
-    figure, axes = common.new_figure(2, 2, (12.0, 8.0))
+    figure, axes = common.new_figure(2, 2, (12.0, 8.5))
     (paths, errors), (points, ranks) = axes
     first = chapters[STVK]
     beside_full.draw_paths(paths, first.full, first.runs, 2)
-    paths.set(xlabel="time [s]", ylabel="height of the end [mm]")
-    runs = [*first.others, *(run for one in chapters.values() for run in (one.exact, one.summed))]
+    paths.set(xlabel="time [s]", ylabel="height of the end [mm]", title=STVK)
+    runs = [run for one in chapters.values() for run in one.runs]
     beside_full.draw_errors(errors, first.full, runs)
-    errors.set(xlabel="time [s]", ylim=(1e-5, None))
-    errors.legend(fontsize=6)
+    errors.set(xlabel="time [s]", ylim=(1e-6, None))
+    beside_full.one_legend(figure, errors, columns=3)
     for (name, curve), colour in zip(curves.items(), ("C0", "C1"), strict=True):
         points.loglog(curve[:, 0], curve[:, 2], "o-", color=colour, label=f"{name}, the motion")
         points.loglog(
@@ -278,8 +278,8 @@ def check(chapters: dict[str, Chapter], curves: dict[str, Array], counts: Array)
     assert own < 0.01, own
     for name, one in chapters.items():
         assert beside_full.linearisation(one.told, one.summed) < 1e-3, name
-        assert one.exact.largest_error < 0.12, (name, one.exact.largest_error)
-        assert one.summed.largest_error < 0.12, (name, one.summed.largest_error)
+        assert one.exact.largest_error < 0.15, (name, one.exact.largest_error)
+        assert one.summed.largest_error < 0.15, (name, one.summed.largest_error)
         assert one.apart < 0.02, (name, one.apart)
     for name, curve in curves.items():
         assert curve[-1, 2] < 0.2 * curve[0, 2], (name, curve)

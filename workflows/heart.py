@@ -45,6 +45,9 @@ LAWS = {
 PEAK, PULSE = 4e3, 0.3  # [Pa], [s]
 WALLS = "endocardium"
 STATIC = (0.05, 0.35, 0.7, 1.0)  # parts of the peak at which static answers are taken
+SIDE = (-0.0535, 0.0, -0.02)  # on the outside of the right ventricle, whose wall is thin [m]
+#: Of cubature: what swells is softer than what only bends, so that errors of the force count more.
+TRAINING = {"tolerance": 0.005, "strain": 0.5}
 COURSE = 21_000
 
 
@@ -66,7 +69,7 @@ class Size:
 
 
 FULL = Size(0.003, 200, 20, 30)
-QUICK = Size(0.008, 80, 6, 12)
+QUICK = Size(0.008, 60, 4, 12)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,9 +121,9 @@ def following(solid: fem.Solid, basis: reduction.Basis, scale: Array) -> Followi
     return FollowingPressure(constant, linear.T.copy(), quadratic.transpose(2, 0, 1).copy())
 
 
-def story(law: Any, size: Size) -> beside_full.Story:
+def story(body: Any, law: Any, size: Size) -> beside_full.Story:
     """The heart of a material."""
-    solid = fem.Solid(common.drawn(heart, size=size.mesh), law, fixed=["base"])
+    solid = fem.Solid(body, law, fixed=["base"])
     times = np.linspace(0.0, PULSE, 31)
     pulse = analysis.Table(times, np.sin(np.pi * times / PULSE) ** 2)
     return beside_full.Story(
@@ -129,7 +132,7 @@ def story(law: Any, size: Size) -> beside_full.Story:
         step=2e-3,
         steps=size.steps,
         damping=(1.0, 1e-4),
-        watched=tuple(solid.points[int(np.argmin(solid.points[:, 2]))]),
+        watched=tuple(solid.points[int(np.argmin(np.linalg.norm(solid.points - SIDE, axis=1)))]),
         linear="pcg-jacobi",
     )
 
@@ -151,18 +154,22 @@ def bases(solid: fem.Solid, size: Size) -> tuple[reduction.Basis, reduction.Basi
 
 
 def chapter(
-    name: str, size: Size
+    body: Any, name: str, size: Size
 ) -> tuple[beside_full.Story, beside_full.Full, list[beside_full.Reduced]]:
     """The full run of a law and the reduced ones: modes alone, at rest, following."""
     law, force = LAWS[name]
-    told = story(law, size)
+    told = story(body, law, size)
     full = beside_full.run_full(told)
     begin = time.process_time()
     alone, joined = bases(told.solid, size)
     made = time.process_time() - begin
     runs = []
     for basis, title in ((alone, "modes and derivatives only, "), (joined, "")):
-        model, seconds = beside_full.model_of(told, basis, force)
+        begin, options = time.process_time(), {}
+        if force == "cubature":
+            options["training"] = reduction.train_cubature(told.solid, basis.shapes, **TRAINING)
+        model, _ = beside_full.model_of(told, basis, force, **options)
+        seconds = time.process_time() - begin
         points = model.certificate["force"].get("points")
         kind = f"{force} of {points} points" if points else force
         begin = time.process_time()
@@ -201,7 +208,8 @@ def main(argv: list[str] | None = None) -> int:
     """Run all, print, draw and check."""
     options = common.parser(__doc__, "heart").parse_args(argv)
     size = QUICK if options.quick else FULL
-    chapters = [chapter(name, size) for name in LAWS]
+    body = common.drawn(heart, size=size.mesh)
+    chapters = [chapter(body, name, size) for name in LAWS]
     common.tell(options.output, "heart", report(chapters), draw(chapters))
     for told, _, runs in chapters:
         check(told, runs)
@@ -224,20 +232,21 @@ def report(chapters: list[Any]) -> str:
         "named load of a model does; that which follows is the same pressure as a polynomial of "
         f"second order in the coordinates. The course's heart ran {COURSE:,} times faster than its "
         "full simulation. Made by `workflows/heart.py`.\n",
-        "![Motion of the apex and error over time](heart.png)\n",
+        "![Motion of the wall and error over time](heart.png)\n",
     ]
     return "\n".join(parts)
 
 
 def draw(chapters: list[Any]) -> Any:
-    """The apex and the errors over time of both laws."""
+    """The right wall and the errors over time of both laws."""
     figure, axes = common.new_figure(2, 2, (12.0, 7.5))
     for name, (above, below), (_, full, runs) in zip(LAWS, axes.T, chapters, strict=True):
         short = ("modes and derivatives only", "pressure at rest", "pressure that follows")
-        beside_full.draw_paths(above, full, runs, 2, short)
+        beside_full.draw_paths(above, full, runs, 0, short)
         beside_full.draw_errors(below, full, runs)
-        above.set(title=name, ylabel="height of the apex [mm]")
+        above.set(title=name, ylabel="right wall along x [mm]")
         below.set(xlabel="time [s]")
+    beside_full.one_legend(figure, axes[0, 0], columns=4)
     return figure
 
 
@@ -246,7 +255,7 @@ def check(told: beside_full.Story, runs: list[beside_full.Reduced]) -> None:
     alone, rest, follows = (run.largest_error for run in runs)
     assert alone > 0.2, alone
     assert rest > 0.1, rest
-    assert follows < 0.1, follows
+    assert follows < 0.05, follows
     assert rest > 2.0 * follows, (rest, follows)
     assert beside_full.linearisation(told, runs[1]) < 0.02, told
 
