@@ -105,8 +105,8 @@ class Reduced:
         return float(self.frames_error.max())
 
 
-def run_full(story: Story) -> Full:
-    """The full run."""
+def run_full(story: Story, initial: analysis.Initial | None = None) -> Full:
+    """The full run, from rest if nothing else is said."""
     simulation = analysis.Simulation(
         story.solid,
         list(story.loads.values()),
@@ -116,6 +116,7 @@ def run_full(story: Story) -> Full:
         newton=story.newton,
         linear=story.linear,
         linear_tolerance=story.tolerance,
+        initial=initial,
         probes={"watched": story.watched},
     )
     frames, watched, times, seconds = [], [], [], []
