@@ -107,7 +107,7 @@ def story(size: Size) -> beside_full.Story:
         damping=(0.5, 1e-4),
         watched=tuple(solid.points[int(np.argmin(np.linalg.norm(solid.points - rim, axis=1)))]),
         linear="cholesky",
-        every=4,
+        every=2,
     )
 
 

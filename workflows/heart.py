@@ -48,6 +48,7 @@ STATIC = (0.05, 0.35, 0.7, 1.0)  # parts of the peak at which static answers are
 SIDE = (-0.0535, 0.0, -0.02)  # on the outside of the right ventricle, whose wall is thin [m]
 #: Of cubature: what swells is softer than what only bends, so that errors of the force count more.
 TRAINING = {"tolerance": 0.005, "strain": 0.5}
+AMPLITUDE = 0.01  # of the first mode, at which derivatives are weighed against modes [m]
 COURSE = 21_000
 
 
@@ -121,6 +122,21 @@ def following(solid: fem.Solid, basis: reduction.Basis, scale: Array) -> Followi
     return FollowingPressure(constant, linear.T.copy(), quadratic.transpose(2, 0, 1).copy())
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Chapter:
+    """A law's motion.
+
+    Args:
+        told: its story.
+        full: the full run.
+        runs: modes alone; pressure at rest; pressure that follows.
+    """
+
+    told: beside_full.Story
+    full: beside_full.Full
+    runs: list[beside_full.Reduced]
+
+
 def story(body: Any, law: Any, size: Size) -> beside_full.Story:
     """The heart of a material."""
     solid = fem.Solid(body, law, fixed=["base"])
@@ -140,9 +156,12 @@ def story(body: Any, law: Any, size: Size) -> beside_full.Story:
 def bases(solid: fem.Solid, size: Size) -> tuple[reduction.Basis, reduction.Basis]:
     """Modes and derivatives alone, and joined with what the pressure does statically."""
     modes = analysis.linear_modes(solid, size.modes, verify=False)
+    farthest = float(np.linalg.norm(modes.shapes[0], axis=1).max())
     derivatives = reduction.modal_derivatives(solid, modes)
     alone, fewer = (
-        reduction.modal_derivative_basis(solid, modes, size=r, derivatives=derivatives)
+        reduction.modal_derivative_basis(
+            solid, modes, size=r, derivatives=derivatives, amplitude=AMPLITUDE / farthest
+        )
         for r in (size.r, size.r - len(STATIC))
     )
     swollen = [
@@ -153,9 +172,7 @@ def bases(solid: fem.Solid, size: Size) -> tuple[reduction.Basis, reduction.Basi
     return alone, reduction.join(solid, static, fewer)
 
 
-def chapter(
-    body: Any, name: str, size: Size
-) -> tuple[beside_full.Story, beside_full.Full, list[beside_full.Reduced]]:
+def chapter(body: Any, name: str, size: Size) -> Chapter:
     """The full run of a law and the reduced ones: modes alone, at rest, following."""
     law, force = LAWS[name]
     told = story(body, law, size)
@@ -164,27 +181,29 @@ def chapter(
     alone, joined = bases(told.solid, size)
     made = time.process_time() - begin
     runs = []
-    for basis, title in ((alone, "modes and derivatives only, "), (joined, "")):
-        begin, options = time.process_time(), {}
-        if force == "cubature":
-            options["training"] = reduction.train_cubature(told.solid, basis.shapes, **TRAINING)
-        model, _ = beside_full.model_of(told, basis, force, **options)
-        seconds = time.process_time() - begin
+    for basis, title in ((alone, ", modes and derivatives only"), (joined, "")):
+        begin = time.process_time()
+        model = model_of(told, basis, force)
+        pressure = following(told.solid, basis, scales(model))
+        offline = made + time.process_time() - begin
         points = model.certificate["force"].get("points")
         kind = f"{force} of {points} points" if points else force
-        begin = time.process_time()
-        pressure = following(told.solid, basis, scales(model))
-        polynomial = time.process_time() - begin
-        for follows in (False, True) if basis is joined else (True,):
-            title_here = f"{name}, {kind}, r = {size.r}, {title}pressure " + (
-                "that follows" if follows else "on the surface at rest"
-            )
-            offline = made + seconds + follows * polynomial
-            law_of_load = force_at_end(told, pressure) if follows else None
-            runs.append(
-                beside_full.run_reduced(told, title_here, model, offline, full, law_of_load)
-            )
-    return told, full, runs
+        whole = f"{name}, {kind}, r = {basis.size}{title}, pressure"
+        at_end = force_at_end(told, pressure)
+        if basis is joined:
+            title = f"{whole} on the surface at rest"
+            runs.append(beside_full.run_reduced(told, title, model, offline, full))
+        title = f"{whole} that follows"
+        runs.append(beside_full.run_reduced(told, title, model, offline, full, at_end))
+    return Chapter(told, full, runs)
+
+
+def model_of(told: beside_full.Story, basis: reduction.Basis, force: str) -> runtime.ReducedModel:
+    """The model of a basis, its cubature trained as `TRAINING` has it."""
+    options = {}
+    if force == "cubature":
+        options["training"] = reduction.train_cubature(told.solid, basis.shapes, **TRAINING)
+    return beside_full.model_of(told, basis, force, **options)[0]
 
 
 def scales(model: runtime.ReducedModel) -> Array:
@@ -211,19 +230,19 @@ def main(argv: list[str] | None = None) -> int:
     body = common.drawn(heart, size=size.mesh)
     chapters = [chapter(body, name, size) for name in LAWS]
     common.tell(options.output, "heart", report(chapters), draw(chapters))
-    for told, _, runs in chapters:
-        check(told, runs)
+    for one in chapters:
+        check(one)
     return 0
 
 
-def report(chapters: list[Any]) -> str:
+def report(chapters: list[Chapter]) -> str:
     """The tables as Markdown."""
-    parts = ["# A heart that swells\n", beside_full.setting(chapters[0][0])]
-    for told, full, runs in chapters:
-        rest = 100 * beside_full.linearisation(told, runs[1])
-        farthest = 1e3 * np.linalg.norm(full.frames, axis=2).max()
+    parts = ["# A heart that swells\n", beside_full.setting(chapters[0].told)]
+    for one in chapters:
+        rest = 100 * beside_full.linearisation(one.told, one.runs[1])
+        farthest = 1e3 * np.linalg.norm(one.full.frames, axis=2).max()
         parts += [
-            beside_full.run_table(told, full, runs),
+            beside_full.run_table(one.told, one.full, one.runs),
             f"The wall moves by {farthest:.1f} mm. With Newton's method converged in each step, "
             f"the reduced motion changes by {rest:.2g} %.\n",
         ]
@@ -237,27 +256,27 @@ def report(chapters: list[Any]) -> str:
     return "\n".join(parts)
 
 
-def draw(chapters: list[Any]) -> Any:
+def draw(chapters: list[Chapter]) -> Any:
     """The right wall and the errors over time of both laws."""
     figure, axes = common.new_figure(2, 2, (12.0, 7.5))
-    for name, (above, below), (_, full, runs) in zip(LAWS, axes.T, chapters, strict=True):
+    for name, (above, below), one in zip(LAWS, axes.T, chapters, strict=True):
         short = ("modes and derivatives only", "pressure at rest", "pressure that follows")
-        beside_full.draw_paths(above, full, runs, 0, short)
-        beside_full.draw_errors(below, full, runs)
+        beside_full.draw_paths(above, one.full, one.runs, 0, short)
+        beside_full.draw_errors(below, one.full, one.runs)
         above.set(title=name, ylabel="right wall along x [mm]")
         below.set(xlabel="time [s]")
     beside_full.one_legend(figure, axes[0, 0], columns=4)
     return figure
 
 
-def check(told: beside_full.Story, runs: list[beside_full.Reduced]) -> None:
+def check(one: Chapter) -> None:
     """What is asserted of a law's runs."""
-    alone, rest, follows = (run.largest_error for run in runs)
+    alone, rest, follows = (run.largest_error for run in one.runs)
     assert alone > 0.2, alone
     assert rest > 0.1, rest
     assert follows < 0.05, follows
     assert rest > 2.0 * follows, (rest, follows)
-    assert beside_full.linearisation(told, runs[1]) < 0.02, told
+    assert beside_full.linearisation(one.told, one.runs[1]) < 0.02
 
 
 if __name__ == "__main__":
