@@ -11,7 +11,7 @@ heap, with the contact between them; here nothing touches, so that the figures c
 deformation's part only.
 
 What is asserted: bodies of the batch move as they do in single runs, to round-off; one of them as
-the full simulation of it does, within some per cent; the baskets deform by centimetres, and each
+the full simulation of it does, within some per cent; the rims move by a centimetre, and each
 its own way; a body in the batch costs less than a step of it alone.
 """
 
@@ -32,8 +32,8 @@ from meshes.basket import HEIGHT, RIM_RADIUS, basket
 type Array = NDArray[np.float64]
 
 PLASTIC = energy.StVenantKirchhoff(young=2e6, poisson=0.35, density=950.0)
-PULL = 1800.0  # on the rim, sideways [Pa]
-SPEED = 1.0  # of the fastest node at the start [m/s]
+PULL = 1000.0  # on the rim, sideways [Pa]
+SPEED = 0.6  # of the fastest node at the start [m/s]
 MOVED = 6  # modes that the initial velocities are made of
 COURSE = 1.2  # [s] a step, with contact
 AMPLITUDE = 0.03  # of the first mode, at which derivatives are weighed against modes [m]
@@ -250,8 +250,8 @@ def draw(results: dict[str, Any]) -> Any:
 def check(results: dict[str, Any], *, quick: bool) -> None:
     """What is asserted."""
     assert results["apart"] < 1e-9, results["apart"]
-    assert results["error"].max() < 0.15, results["error"].max()
-    assert results["farthest"].max() > 0.01, results["farthest"]
+    assert results["error"].max() < 0.12, results["error"].max()
+    assert results["farthest"].max() > 7e-3, results["farthest"]
     assert np.ptp(results["rim"][-1], axis=0).min() > 1e-3, "all move alike"
     if not quick:
         assert results["batch"] < COURSE, results["batch"]

@@ -46,8 +46,8 @@ PEAK, PULSE = 4e3, 0.3  # [Pa], [s]
 WALLS = "endocardium"
 STATIC = (0.05, 0.35, 0.7, 1.0)  # parts of the peak at which static answers are taken
 SIDE = (-0.0535, 0.0, -0.02)  # on the outside of the right ventricle, whose wall is thin [m]
-#: Of cubature: what swells is softer than what only bends, so that errors of the force count more.
-TRAINING = {"tolerance": 0.005, "strain": 0.5}
+#: Of cubature: the walls stretch farther than the default poses do.
+TRAINING = {"tolerance": 0.01, "strain": 0.5}
 AMPLITUDE = 0.01  # of the first mode, at which derivatives are weighed against modes [m]
 COURSE = 21_000
 
