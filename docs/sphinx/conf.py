@@ -1,0 +1,66 @@
+"""How `make docs` turns the Markdown pages and the docstrings into a site.
+
+The source folder is the top of the repository, so that links between README, docs/ and the other
+pages hold as they are written, here and where a Git server shows the files.
+"""
+
+import sys
+from pathlib import Path
+
+from sphinx.application import Sphinx
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parents[1])]
+
+# MPI must be loaded before autodoc imports anything that loads DOLFINx.
+import fenics_defo.fem.compat  # noqa: F401
+from contents import add_contents
+from docstrings import escape_docstring, shorten_signature
+from fenics_defo import __version__
+
+project = "fenics_defo"
+author = "the authors of fenics_defo"
+project_copyright = "MIT licence"
+version = release = __version__
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+root_doc = "docs/index"
+include_patterns = [
+    "README.md",
+    "ARCHITECTURE.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "docs/**.md",
+    "meshes/README.md",
+    "scenes/README.md",
+]
+# A folder is only left out of the walk if it is named here; tests/ and workflows/ are quick.
+exclude_patterns = ["docs/_build", ".*", "build", "demo", "dist"]
+
+# Blocks without a language are formulas and tables of output.
+highlight_language = "none"
+myst_heading_anchors = 3
+python_maximum_signature_line_length = 80
+toc_object_entries_show_parents = "hide"
+
+autodoc_member_order = "groupwise"
+autodoc_typehints_format = "short"
+autodoc_default_options = {"members": True, "show-inheritance": True}
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+
+html_theme = "furo"
+html_title = "fenics_defo"
+html_static_path = ["static"]
+html_css_files = ["pages.css"]
+html_extra_path = ["extra"]  # the index.html at the top, which leads to docs/index.html
+html_copy_source = False
+html_show_sphinx = False
+
+
+def setup(app: Sphinx) -> None:
+    """Register what contents.py and docstrings.py do."""
+    app.connect("source-read", add_contents)
+    # Before napoleon, which turns the sections of a docstring into fields.
+    app.connect("autodoc-process-docstring", escape_docstring, priority=400)
+    app.connect("autodoc-process-signature", shorten_signature)
