@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from sphinx.application import Sphinx
 
 _HEADING = re.compile(r"## (.+)")
-_LINK = re.compile(r"\[[^\]]*\]\(([^)#]+)\.md\)")
+_LINK = re.compile(r"\[([^\]]*)\]\(([^)#]+)\.md\)")
 
 
 def add_contents(app: Sphinx, docname: str, source: list[str]) -> None:
@@ -20,21 +20,26 @@ def add_contents(app: Sphinx, docname: str, source: list[str]) -> None:
     sections = dict(_linked(source[0], posixpath.dirname(docname)))
     listed = {docname}.union(*sections.values())
     for name, pages in sections.items():
-        source[0] += _toctree(name, pages)
+        source[0] += _toctree(name, [f"{label} </{page}>" for page, label in pages.items()])
     # The pages below the one of the API are listed there.
     others = (page for page in app.project.docnames if not page.startswith("docs/api/"))
     if rest := sorted(page for page in others if page not in listed):
-        source[0] += _toctree("More", rest)
+        source[0] += _toctree("More", [f"/{page}" for page in rest])
 
 
-def _linked(text: str, folder: str) -> Iterator[tuple[str, list[str]]]:
-    """Yield each heading of second order and the pages that the text below it links to."""
+def _linked(text: str, folder: str) -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield each heading of second order, and by page the names of the links in the text below."""
     rest = _HEADING.split(text)[1:]
     for name, body in zip(rest[::2], rest[1::2], strict=True):
-        links = (posixpath.normpath(posixpath.join(folder, link)) for link in _LINK.findall(body))
-        yield name, list(dict.fromkeys(links))
+        yield (
+            name,
+            {
+                posixpath.normpath(posixpath.join(folder, page)): label
+                for label, page in _LINK.findall(body)
+            },
+        )
 
 
-def _toctree(caption: str, pages: list[str]) -> str:
-    lines = "\n".join(f"/{page}" for page in pages)
+def _toctree(caption: str, entries: list[str]) -> str:
+    lines = "\n".join(entries)
     return f"\n\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{lines}\n```\n"
