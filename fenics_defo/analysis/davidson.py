@@ -1,10 +1,10 @@
-"""Block Davidson iteration with thick restarts for the lowest eigenpairs of A x = θ M x.
+"""Block Davidson iteration with thick restarts for the lowest eigenpairs of K x = θ M x.
 
-The space grows by what a preconditioner makes of the residuals, T (A x - θ M x), and the pairs are
-Ritz pairs of A and M themselves. With T = A⁻¹ this spans what inverted block Lanczos spans, step by
+The space grows by what a preconditioner makes of the residuals, T (K x - θ M x), and the pairs are
+Ritz pairs of K and M themselves. With T = K⁻¹ this spans what inverted block Lanczos spans, step by
 step; but T may be a rough inverse, since its errors are corrected by the next residuals: factors in
 single precision, half as large and as dear as those in double precision, or a few cycles of
-multigrid. With such a T the corrections also tell the error of x, as T (A x - θ M x) = x - θ T M x
+multigrid. With such a T the corrections also tell the error of x, as T (K x - θ M x) = x - θ T M x
 is what another inverse iteration would change. Solving for a block of vectors reads the factors
 once for all of them, which is what such a solve costs.
 
@@ -44,12 +44,12 @@ class RoughPreconditionerError(EigenSolveError):
 
 @dataclass(frozen=True, slots=True)
 class SearchedProblem:
-    """What the search knows of A x = θ M x, with A positive definite in the space it searches.
+    """What the search knows of K x = θ M x.
 
     Args:
-        precondition: X -> T X for a block (owned dofs, b), roughly A⁻¹ X, in that space.
-        multiply: X -> A X and M X side by side (owned dofs, 2 b).
-        residuals: X, θ (b,) -> A X - M X diag(θ).
+        precondition: X -> T X for a block (owned dofs, b), roughly K⁻¹ X, in that space.
+        multiply: X -> K X and M X side by side (owned dofs, 2 b).
+        residuals: X, θ (b,) -> K X - M X diag(θ).
         mass: X -> M X.
         random: gives a random block (owned dofs, b); b is the block size.
         comm: communicator of the rows.
@@ -92,16 +92,16 @@ def block_davidson(
     basis_limit: int | None = None,
     max_restarts: int = 40,
 ) -> RitzVectors:
-    """Lowest eigenvectors of A x = θ M x. Collective.
+    """Lowest eigenvectors of K x = θ M x. Collective.
 
     Args:
-        problem: A and M and what is nearly an inverse of A.
+        problem: K and M and what is nearly an inverse of K.
         count: number of pairs.
         guard: number of further pairs, to 1e-3 only: their θ, whose error is the square of that,
             show what comes next.
         tolerance: largest change of an accepted vector in another inverse iteration, in the norm
             of M.
-        roughest: largest relative error of the preconditioner, (T b)ᵀ A (T b) against bᵀ T b for
+        roughest: largest relative error of the preconditioner, (T b)ᵀ K (T b) against bᵀ T b for
             random b, that is tolerated.
         basis_limit: vectors kept before a restart; ``count + guard + max(count, 15 b)``
             if not given.
@@ -147,7 +147,7 @@ class _Search:
             values, inner = space.ritz()
             if space.size == self._problem.independent:  # the pairs are exact but for round-off
                 return self._all(inner)
-            moving = self._moving(values[:sought])
+            moving = self._moving(values)
             testing = space.size >= sought and not moving.size
             chosen = np.arange(sought) if testing else moving[: self._width]
             vectors = space.combine(inner[:, chosen])
@@ -186,15 +186,17 @@ class _Search:
         return block
 
     def _moving(self, values: Array) -> NDArray[np.intp]:
-        """Places of the pairs that the last step still moved, lowest first."""
+        """Places of the sought pairs that the last step still moved, lowest first."""
         before, self._before = self._before, values
-        change = np.full(len(values), np.inf)
-        known = min(len(values), len(before))
-        change[:known] = np.abs(values[:known] - before[:known]) / values[:known]
-        still = np.where(np.arange(len(values)) < self._count, _STILL, _GUARD_STILL)
-        # Round-off of the projected matrix is relative to its largest value, 1/θ of the first.
-        still = np.maximum(still, 10.0 * np.finfo(float).eps * values / values[0])
-        return np.flatnonzero(change > still)
+        places = np.arange(min(len(values), self._sought))
+        known = min(len(places), len(before))
+        change = np.full(len(places), np.inf)
+        size = np.maximum(np.abs(values[: len(places)]), np.finfo(float).tiny)
+        change[:known] = np.abs(values[:known] - before[:known]) / size[:known]
+        still = np.where(places < self._count, _STILL, _GUARD_STILL)
+        # Round-off of the projected matrix is relative to its largest value.
+        noise = 10.0 * np.finfo(float).eps * float(values[-1])
+        return places[change > np.maximum(still, noise / size)]
 
     def _errors(self, block: Array) -> Array:
         """Norms in M of a block's columns."""
@@ -205,7 +207,7 @@ class _Search:
 
     def _settled(self, errors: Array) -> bool:
         worst = float((errors / self._tolerances).max())
-        # Round-off of A x is all that is left where another step no longer helps.
+        # Round-off of K x is all that is left where another step no longer helps.
         if worst <= 1.0 or 0.5 * self._best <= worst <= _ROUND_OFF_AT_MOST:
             return True
         self._best = min(self._best, worst)

@@ -1,12 +1,15 @@
-"""A growing space and the Ritz pairs of A x = θ M x in it, with few passes over its vectors.
+"""A growing space and the Ritz pairs of K x = θ M x in it, with few passes over its vectors.
 
-What bounds a search of many steps is the memory that its vectors are read from. Here a step reads
-them twice: once for their products with A and M times the new block, once to combine Ritz vectors.
-The basis is roughly orthonormal in A: a correction T (A x - θ M x) of a Ritz vector is orthogonal
-to it as it is, as nearly as T is A⁻¹, since the residual is orthogonal to the space (Galerkin). So
-the corrections enter it without having been orthogonalised, and the projected problem takes the
-Gram matrix Vᵀ A V as it is. Only a block that leans on the basis, as a random one does, or whose
-columns nearly depend on each other, is orthogonalised first.
+What bounds a search of many steps is the memory that its vectors V are read from. Here a step reads
+them twice: once for their products with K B and M B of a new block B, and once to combine both the
+Ritz vectors and what is new of the block. All between is done with small matrices: with C = Vᵀ M B
+and Z that orthonormalises Bᵀ M B - Cᵀ C, the new vectors are (B - V C) Z, and Vᵀ K V grows by
+combinations of Vᵀ K B and Bᵀ K B. Nothing is multiplied twice, and K V is not kept.
+
+The difference loses the digits that B has in common with V: where those are too many, B is
+orthogonalised and multiplied once more. The inner product is that of M, whose round-off is small.
+In that of K the corrections of Ritz vectors would be orthogonal to the space as they are, but on
+thin bodies its round-off hides how they lie to the lowest modes.
 """
 
 from collections.abc import Callable
@@ -14,30 +17,25 @@ from collections.abc import Callable
 from mpi4py import MPI
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
-
-from fenics_defo.errors import EigenSolveError
 
 Array = NDArray[np.float64]
 
-# Shares of a block's columns outside the basis and each other, by their squared norm: below the
-# first they are round-off, below the second digits are lost unless it is orthogonalised.
-_DEPENDENT = 1e-14
-_NEARLY = 1e-6
-# Squared length, in the basis, of a direction whose part outside it is 1.
-_LEANING = 1.0
-_ROUNDS = 3
+# Squared lengths. A column whose part outside the basis is smaller, relative to the whole, is
+# round-off.
+_DEPENDENT = 1e-22
+# Parts outside the basis, and outside other columns, that are computed with digits enough.
+_ENOUGH, _APART = 1e-2, 1e-5
 
 
 class RitzSpace:
-    """Vectors V with G = Vᵀ A V and Vᵀ M V.
+    """M-orthonormal vectors V with Vᵀ K V.
 
     Args:
-        multiply: X -> A X and M X side by side (owned dofs, 2 b).
+        multiply: X -> K X and M X side by side (owned dofs, 2 b).
         comm: communicator of the rows.
         rows: owned dofs.
-        columns: the most vectors there will be.
+        columns: the most vectors there will be, a block included.
     """
 
     def __init__(
@@ -46,78 +44,71 @@ class RitzSpace:
         self._vectors = np.empty((rows, columns), order="F")
         self._multiply = multiply
         self._comm = comm
-        self._gram = self._mass = np.zeros((0, 0))
-        self.size = 0
-        #: whether the last block brought anything new
-        self.grew = False
+        self._projected = np.zeros((0, 0))
+        # Of the last block: behind so many finished vectors, and what makes vectors of both.
+        self._finished = 0
+        self._correction = np.zeros((0, 0))
+
+    @property
+    def size(self) -> int:
+        """Number of vectors."""
+        return len(self._projected)
+
+    @property
+    def grew(self) -> bool:
+        """Whether the last block brought anything new."""
+        return self._correction.shape[1] > 0
 
     def ritz(self) -> tuple[Array, Array]:
-        """Ritz values θ (size,), ascending, and the vectors' coefficients (size, size).
-
-        Raises:
-            EigenSolveError: A is not positive definite.
-        """
-        try:
-            inverses, inner = scipy.linalg.eigh(self._mass, self._gram, check_finite=False)
-        except np.linalg.LinAlgError as error:
-            raise EigenSolveError("the stiffness is not positive definite") from error
-        inverses = np.maximum(inverses[::-1], np.finfo(float).tiny)
-        return 1.0 / inverses, inner[:, ::-1] / np.sqrt(inverses)
+        """Ritz values θ (size,), ascending, and their vectors' coefficients (size, size)."""
+        values, inner = np.linalg.eigh(self._projected)
+        return values, inner
 
     def combine(self, coefficients: Array) -> Array:
         """V times coefficients (size, k): (owned dofs, k) in Fortran order."""
-        return combined(self._vectors[:, : self.size], coefficients)
+        old, correction = self._finished, self._correction
+        if old == self.size:
+            return combined(self._vectors[:, :old], coefficients)
+        lifted = correction @ coefficients[old:]
+        lifted[:old] += coefficients[:old]
+        both = np.hstack([correction, lifted])
+        result = combined(self._vectors[:, : len(both)], both)
+        self._vectors[:, old : self.size] = result[:, : self.size - old]
+        self._finished = self.size
+        return result[:, self.size - old :]
 
     def extend(self, block: Array) -> None:
         """Add what is new of a block (owned dofs, b); collective."""
-        size = self.size
-        for _ in range(_ROUNDS):
-            gram, mass = self._products(block)
-            turn, shadow, sound = self._directions(gram[:size], gram[size:])
-            if sound or not turn.shape[1]:
+        old = self._finished
+        assert old == self.size, "the block before has not been combined"
+        stiffness, mass = self._products(block)
+        whole = np.diag(mass[old:])
+        for _ in range(2):
+            along = mass[:old]
+            outside = np.diag(mass[old:]) - np.einsum("ij,ij->j", along, along)
+            if (outside >= _ENOUGH * np.diag(mass[old:])).all():
                 break
-            correction = np.vstack([-shadow @ turn, turn])
-            block = combined(self._vectors[:, : size + block.shape[1]], correction)
-        self.size = size + turn.shape[1]
-        self.grew = self.size > size
-        self._vectors[:, size : self.size] = combined(block, turn)
-        self._gram = _bordered(self._gram, gram, turn)
-        self._mass = _bordered(self._mass, mass, turn)
+            stiffness, mass = self._products(block - combined(self._vectors[:, :old], along))
+        correction, sure = _orthonormalising(mass, old, whole)
+        if not sure:
+            fresh = combined(self._vectors[:, : len(correction)], correction)
+            stiffness, mass = self._products(fresh)
+            correction, _ = _orthonormalising(mass, old, np.zeros(fresh.shape[1]))
+        self._correction = correction
+        self._projected = _grown(self._projected, stiffness, correction)
 
     def _products(self, block: Array) -> tuple[Array, Array]:
-        """Products (size + b, b) of the basis and the block with A and M times the block."""
+        """Products (size + b, b) of vectors and block with K and M times the block; collective."""
         end = self.size + block.shape[1]
         self._vectors[:, self.size : end] = block
         both = self.sum(self._vectors[:, :end].T @ self._multiply(block))
         return both[:, : block.shape[1]], both[:, block.shape[1] :]
 
-    def _directions(self, along: Array, gram: Array) -> tuple[Array, Array, bool]:
-        """Combinations (b, k) of a block's columns that are orthonormal outside the basis.
-
-        Args:
-            along: (size, b) products of the basis with A times the block.
-            gram: (b, b) those of the block.
-
-        Returns:
-            them; coefficients (size, b) of the block's part in the basis; and whether the
-            combinations, that part included, are fit for the basis.
-        """
-        shadow = scipy.linalg.solve(self._gram, along, assume_a="pos") if self.size else along
-        inside = along.T @ shadow
-        scale = np.sqrt(np.maximum(np.diag(gram), np.finfo(float).tiny))
-        values, vectors = np.linalg.eigh((gram - inside) / np.outer(scale, scale))
-        kept = values > _DEPENDENT * len(values)
-        turn = vectors[:, kept] / scale[:, None] / np.sqrt(values[kept])
-        leaning = np.einsum("ij,ik,kj->j", turn, inside, turn)
-        return turn, shadow, bool((values > _NEARLY).all() and (leaning <= _LEANING).all())
-
     def restart(self, values: Array, inner: Array) -> None:
         """Replace the basis by some of its Ritz vectors."""
-        self.size = len(values)
-        self._vectors[:, : self.size] = combined(
-            self._vectors[:, : len(inner)], inner / np.sqrt(values)
-        )
-        self._gram, self._mass = np.eye(self.size), np.diag(1.0 / values)
+        self._vectors[:, : len(values)] = self.combine(inner)
+        self._projected = np.diag(values)
+        self._finished = len(values)
 
     def sum(self, local: Array) -> Array:
         """Sum over the ranks; collective."""
@@ -131,8 +122,33 @@ def combined(columns: Array, coefficients: Array) -> Array:
     return (coefficients.T @ columns.T).T
 
 
-def _bordered(old: Array, products: Array, turn: Array) -> Array:
-    """A symmetric matrix with rows and columns for a block's combinations."""
-    size = len(old)
-    along, own = products[:size] @ turn, turn.T @ products[size:] @ turn
-    return np.block([[old, along], [along.T, 0.5 * (own + own.T)]])
+def _orthonormalising(mass: Array, old: int, whole: Array) -> tuple[Array, bool]:
+    """What makes orthonormal vectors of a basis and a block, and whether to digits enough.
+
+    Args:
+        mass: (old + b, b) products of basis and block with M times the block.
+        old: size of the basis.
+        whole: (b,) squared lengths that round-off relates to.
+
+    Returns:
+        (old + b, k) coefficients.
+    """
+    along, own = mass[:old], mass[old:]
+    outside = own - along.T @ along
+    left = np.diag(outside)
+    new = left > np.maximum(_DEPENDENT * whole, 0.0)
+    scale = np.sqrt(left[new])
+    values, vectors = np.linalg.eigh(outside[np.ix_(new, new)] / np.outer(scale, scale))
+    kept = values > 1e-14 * len(values)
+    turn = np.zeros((len(own), int(kept.sum())))
+    turn[new] = vectors[:, kept] / scale[:, None] / np.sqrt(values[kept])
+    return np.vstack([-along @ turn, turn]), bool((values > _APART).all())
+
+
+def _grown(projected: Array, products: Array, correction: Array) -> Array:
+    """Vᵀ K V with the new vectors, from the products of vectors and block with K times it."""
+    old = len(projected)
+    every = np.block([[projected, products[:old]], [products[:old].T, products[old:]]])
+    new = every @ correction
+    own = correction.T @ new
+    return np.block([[projected, new[:old]], [new[:old].T, 0.5 * (own + own.T)]])

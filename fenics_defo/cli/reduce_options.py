@@ -24,11 +24,13 @@ Bases
 Forces
   linear    small displacements (default for the law "linear")
   cubic     exact for the law "st-venant-kirchhoff" (default there)
-  taylor    the third-order Taylor polynomial at rest of any other law
-  cubature  comes later
+  cubature  any law but springs, summed over few points that are chosen for
+            this body (default for all other laws)
+  taylor    the third-order Taylor polynomial at rest: strains of some per cent
 
-The cost of a step grows with r^4 where forces are cubic: 10 to 30 is usual. Try
-the result: play the scene, and compare its folder with that of simulate.
+The cost of a step grows with r^4 where forces are cubic, with r^3 where they are
+summed: 10 to 30 is usual. Try the result: play the scene, and compare its folder
+with that of simulate.
 
 Examples
   fenics-defo reduce plucked_bar.toml --output bar.npz
@@ -91,6 +93,14 @@ def add_reduce(commands: Any) -> None:
         "--force",
         choices=("linear", "cubic", "taylor", "cubature"),
         help="how the forces are computed",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=number,
+        default=0.01,
+        metavar="T",
+        help="relative error of the force at the poses that a cubature is trained at (default: "
+        "%(default)s)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 

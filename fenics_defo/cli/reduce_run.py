@@ -37,6 +37,7 @@ def reduce_and_print(options: Namespace, current: Run, progress: Progress, begin
             size=options.size,
             share=options.share,
             force=options.force,
+            tolerance=options.tolerance,
         )
         model = reduce_scene(scene, options.output, recipe=recipe, watcher=Watcher(phases=phases))
     progress.stop()

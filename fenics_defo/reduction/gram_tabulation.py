@@ -17,9 +17,10 @@ from fenics_defo.reduction.strain_columns import StrainColumns
 Array = NDArray[np.float64]
 
 # Entries of the columns of one block: with 6 MB of them BLAS is at its best and they stay in the
-# processor's last cache; below so many points it is not.
+# processor's last cache; below so many points it is not. Rows of 512 points, a page long, would
+# fall on each other in the first cache.
 _ENTRIES = 750_000
-_FEWEST, _MOST = 64, 1024
+_FEWEST, _MOST = 64, 480
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +87,7 @@ def _region_gram(solid: Solid, region: LawRegion, fields: Array, *, pairs: bool)
         if columns is None:  # the first block is the largest
             columns = StrainColumns(r, len(block.weights), pairs=pairs)
         lmbda, mu = (block.at_points(region.parameters[name]) for name in ("lmbda", "mu"))
-        A = columns(block.gradients, block.weights, lmbda, mu).reshape(count, -1)
+        A = columns(block.gradients, block.weights, lmbda, mu)
         gram = dsyrk(1.0, A.T, beta=1.0, c=gram, trans=1, overwrite_c=1)
     return gram
 

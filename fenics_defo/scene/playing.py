@@ -15,6 +15,7 @@ from fenics_defo.scene.records import Scene
 from fenics_defo.scene.reduced_flight import ReducedFlight
 from fenics_defo.scene.reduced_motion import ReducedMotion
 from fenics_defo.scene.run import Run
+from fenics_defo.scene.schema import EXPLICIT
 from fenics_defo.scene.together import Alone
 from fenics_defo.scene.watching import Watcher
 
@@ -98,6 +99,14 @@ def _check_scene(model: ReducedModel, file: Path, scene: Scene) -> None:
         raise SceneError(
             f"{scene.path}: [[fixed]]: nodes that are moved as told cannot be played by a model; "
             "simulate the scene, or leave displacement out"
+        )
+    mass = "lumped" if scene.time.integrator in EXPLICIT else "consistent"
+    if model.provenance.get("mass", mass) != mass and not scene.time.is_static:
+        _log.warning(
+            "the model's mass is %s; simulate takes the %s one for %s, so results differ a little",
+            model.provenance["mass"],
+            mass,
+            scene.time.integrator,
         )
     if any(item.kind == "pressure" for item in scene.loads):
         _log.warning("pressures act as at rest: in a model they do not follow the surface")

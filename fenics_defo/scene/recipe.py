@@ -27,7 +27,9 @@ class Recipe:
         size: number of fields r to keep; with ``share``, the most of them; of linear modes all, of
             others 20 if neither is given.
         share: share of the squares of all singular values to keep [-].
-        force: one of `FORCES`; "linear" or "cubic" if the law is linear or St. Venant-Kirchhoff's.
+        force: one of `FORCES`; if not given, "linear" or "cubic" where the law is linear or St.
+            Venant-Kirchhoff's, and "cubature" for all others.
+        tolerance: relative error of the force at the poses that a cubature is trained at [-].
 
     Raises:
         SceneError: what does not go together.
@@ -39,6 +41,7 @@ class Recipe:
     size: int | None = None
     share: float | None = None
     force: str | None = None
+    tolerance: float = 0.01
 
     def __post_init__(self) -> None:
         for name, options in (("basis", BASES), ("force", FORCES)):
@@ -52,6 +55,8 @@ class Recipe:
             )
         if self.snapshots is not None and self.modes is not None:
             raise SceneError("modes have no part in a basis of snapshots; leave --modes out")
+        if not 0.0 < self.tolerance < 1.0:
+            raise SceneError(f"tolerance must lie between 0 and 1, got {self.tolerance!r}")
         if self.share is not None and not 0.0 < self.share <= 1.0:
             raise SceneError(f"share must be above 0 and at most 1, got {self.share!r}")
 
@@ -59,7 +64,7 @@ class Recipe:
         """The recipe for a body, with nothing left open.
 
         Raises:
-            SceneError: its law has no forces by default.
+            SceneError: what was asked for does not go with its law.
         """
         basis = self.basis or ("linear" if solid.is_linear else "modal-derivatives")
         if basis == "linear" and self.share is not None:
@@ -86,10 +91,12 @@ def _force(scene: Scene, solid: Solid, asked: str | None) -> str:
         return "linear"
     laws = solid.materials.values() if isinstance(solid.materials, dict) else [solid.materials]
     others = [law for law in laws if not isinstance(law, StVenantKirchhoff | LinearElastic)]
-    if asked not in (None, "cubic") or not others:
+    if not others:
         return asked or "cubic"
-    raise SceneError(
-        f"{scene.path}: [[material]]: cubic forces are not exact for {type(others[0]).__name__}; "
-        "choose --force taylor, the third-order Taylor polynomial at rest, or --force linear for "
-        'small displacements, or the law "st-venant-kirchhoff"'
-    )
+    if asked == "cubic":
+        raise SceneError(
+            f"{scene.path}: [[material]]: cubic forces are not exact for "
+            f"{type(others[0]).__name__}; choose --force cubature, or --force taylor, the "
+            'third-order Taylor polynomial at rest, or the law "st-venant-kirchhoff"'
+        )
+    return asked or "cubature"

@@ -12,6 +12,7 @@ from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.states import Energies, State, StepReport
 from fenics_defo.errors import SceneError
 from fenics_defo.runtime import FloatingBody, FloatingFrame, ReducedModel
+from fenics_defo.scene.energy_balance import EnergyBalance
 from fenics_defo.scene.load_factors import load_factor
 from fenics_defo.scene.newton import newton_limits
 from fenics_defo.scene.records import Scene
@@ -39,8 +40,6 @@ class ReducedFlight:
     """
 
     critical_step = float("inf")
-    energy_error: float | None = None
-    energy_gain: float | None = None
 
     def __init__(self, model: ReducedModel, file: Path, scene: Scene, phases: Phases) -> None:
         assert model.frame is not None
@@ -67,6 +66,7 @@ class ReducedFlight:
         )
         self._damping = (damping.mass, damping.stiffness)
         self._external = self._dissipated = 0.0
+        self._balance = EnergyBalance(self._energies(), step=scene.time.step)
 
     @property
     def time(self) -> float:
@@ -91,11 +91,31 @@ class ReducedFlight:
     @property
     def energies(self) -> Energies:
         """Energies of the last good state."""
-        found = self._body.energies
-        return Energies(float(found.kinetic), float(found.strain), self._external, self._dissipated)
+        found = self._energies()
+        self._balance.look(found)
+        return found
+
+    @property
+    def energy_error(self) -> float | None:
+        """Largest error of the energy balance so far over all energy put in [-]."""
+        return self._balance.error
+
+    @property
+    def energy_gain(self) -> float | None:
+        """The same of what was gained [-]."""
+        return self._balance.gain
 
     def check_energy(self) -> None:
-        """Nothing: the balance of a model is not watched, its energies are in the table."""
+        """Refuse a motion that has run away.
+
+        Raises:
+            DivergenceError: it has.
+        """
+        self._balance.judge(self._energies(), self.time)
+
+    def _energies(self) -> Energies:
+        found = self._body.energies
+        return Energies(float(found.kinetic), float(found.strain), self._external, self._dissipated)
 
     def probe(self, name: str) -> Array:
         """Displacement (3,) [m] of a probe."""
@@ -118,6 +138,8 @@ class ReducedFlight:
         self._dissipated += float((body.q - q) @ (0.5 * (drag + self._drag())))
         iterations = self._scene.time.newton or 0
         self._phases.add("step", time.perf_counter() - begin)
+        if self._balance.is_due(body.steps):
+            self.check_energy()
         return StepReport(body.time, body.steps, iterations, iterations, 0, ())
 
     def _fall(self, at: float) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.states import Energies, State, StepReport
-from fenics_defo.errors import DefoError, StepSizeError
+from fenics_defo.errors import LoadError, SolverError, StepSizeError
 from fenics_defo.runtime import ReducedModel
 from fenics_defo.runtime.integrators import (
     BackwardEuler,
@@ -19,10 +19,12 @@ from fenics_defo.runtime.integrators import (
     Stepper,
     SymplecticEuler,
 )
+from fenics_defo.scene.energy_balance import EnergyBalance
 from fenics_defo.scene.newton import newton_limits
 from fenics_defo.scene.records import Scene
 from fenics_defo.scene.reduced_loads import ReducedLoads, initial_coordinates
 from fenics_defo.scene.reduced_statics import ReducedStatics
+from fenics_defo.scene.schema import EXPLICIT
 
 Array = NDArray[np.float64]
 
@@ -40,9 +42,6 @@ class ReducedMotion:
         SceneError: the model does not carry a load or the start of the scene.
         StepSizeError: the step is beyond what an explicit integrator stands.
     """
-
-    energy_error: float | None = None
-    energy_gain: float | None = None
 
     def __init__(self, model: ReducedModel, file: Path, scene: Scene, phases: Phases) -> None:
         self._model, self._scene, self._phases = model, scene, phases
@@ -62,6 +61,12 @@ class ReducedMotion:
             )
         else:
             self._body = _stepper(model, scene, q, v, self._loads.force(0.0))
+        self._balance = EnergyBalance(
+            self._energies(),
+            step=scene.time.step,
+            limit=self.critical_step,
+            lenient=scene.time.allow_unstable,
+        )
 
     @property
     def time(self) -> float:
@@ -88,13 +93,34 @@ class ReducedMotion:
     @property
     def energies(self) -> Energies:
         """Energies of the last good state."""
+        found = self._energies()
+        self._balance.look(found)
+        return found
+
+    @property
+    def energy_error(self) -> float | None:
+        """Largest error of the energy balance so far over all energy put in [-]; None: statics."""
+        return None if self._scene.time.is_static else self._balance.error
+
+    @property
+    def energy_gain(self) -> float | None:
+        """The same of what was gained [-]."""
+        return None if self._scene.time.is_static else self._balance.gain
+
+    def check_energy(self) -> None:
+        """Refuse a motion that has run away.
+
+        Raises:
+            DivergenceError: it has.
+        """
+        if not self._scene.time.is_static:
+            self._balance.judge(self._energies(), self.time)
+
+    def _energies(self) -> Energies:
         found = self._body.energies
         names = ("kinetic", "strain", "external", "dissipated")
         kinetic, strain, external, dissipated = (float(getattr(found, name)) for name in names)
         return Energies(kinetic, strain, external + self._work_ahead(), dissipated)
-
-    def check_energy(self) -> None:
-        """Nothing: the balance of a model is not watched, its energies are in the table."""
 
     def probe(self, name: str) -> Array:
         """Displacement (3,) [m] of a probe."""
@@ -116,9 +142,18 @@ class ReducedMotion:
             before = body.q if body.load_at_start else None
             body.advance(load)
             self._last = None if before is None else (body.q - before, load)
-            iterations, halvings = self._scene.time.newton or 0, 0
+            iterations, halvings = self._solves(body), 0
         self._phases.add("step", time.perf_counter() - begin)
+        if self._balance.is_due(body.steps):
+            self.check_energy()
         return StepReport(body.time, body.steps, iterations, iterations, halvings, ())
+
+    def _solves(self, body: Stepper) -> int:
+        """Linear solves of the last step."""
+        given = self._scene.time
+        if given.integrator in EXPLICIT:
+            return 0
+        return body.iterations if given.newton is None else given.newton
 
     def _work_ahead(self) -> float:
         """What a method that knows the loads of starts only lacks in the work of the last step.
@@ -165,5 +200,5 @@ def _stepper(model: ReducedModel, scene: Scene, q: Array, v: Array, load: Array)
             case "central-differences":
                 return CentralDifferences(model, **common, allow_unstable=given.allow_unstable)
         return SymplecticEuler(model, **common, allow_unstable=given.allow_unstable)
-    except (StepSizeError, DefoError) as error:
+    except (LoadError, SolverError, StepSizeError) as error:
         raise type(error)(f"{scene.path}: [time]: {error}") from error

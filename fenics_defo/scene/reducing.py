@@ -1,5 +1,6 @@
 """A scene's body reduced to a model in one file."""
 
+import logging
 import os
 from collections.abc import Mapping
 from dataclasses import replace
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.analysis import linear_modes
+from fenics_defo.analysis import Phases, linear_modes
 from fenics_defo.analysis.free_motions import free_motions
 from fenics_defo.errors import SceneError
 from fenics_defo.fem import Solid
@@ -17,10 +18,12 @@ from fenics_defo.fem.projection import Projection
 from fenics_defo.fem.ranks import on_first_rank
 from fenics_defo.reduction import (
     Basis,
+    CubatureTraining,
     linear_basis,
     modal_derivative_basis,
     reduce,
     snapshot_basis,
+    train_cubature,
 )
 from fenics_defo.reduction.load_projection import MassKind, mass_of
 from fenics_defo.runtime import ReducedModel, check_writable
@@ -36,8 +39,7 @@ from fenics_defo.scene.watching import Watcher
 
 Array = NDArray[np.float64]
 
-# Displacement in the first mode, as a part of the body's size, at which the basis is made.
-_BENT = 0.3
+_log = logging.getLogger(__name__)
 
 
 def reduce_scene(
@@ -81,6 +83,7 @@ def reduce_scene(
         settled = (recipe or Recipe()).settled(scene, solid)
     with phases("basis"):
         basis = _basis(solid, settled)
+    training = _training(solid, basis, settled, phases) if settled.force == "cubature" else None
     with phases("force"):
         # A body in flight moves by an implicit method in any case.
         is_lumped = scene.time.integrator in EXPLICIT and solid.held.any()
@@ -95,6 +98,7 @@ def reduce_scene(
                 probes={probe.name: probe.point for probe in scene.probes},
                 damping=(scene.damping.mass, scene.damping.stiffness),
                 mass=mass,
+                training=training,
             )
     with phases("start"):
         model = replace(
@@ -135,12 +139,15 @@ def _basis(solid: Solid, recipe: Recipe) -> Basis:
     modes = linear_modes(solid, recipe.modes, keep_rigid=False, verify=False)
     if recipe.basis == "linear":
         return linear_basis(solid, modes, recipe.size)
-    # Modes and derivatives weigh as they do where the first mode bends the body well.
-    farthest = float(np.linalg.norm(modes.shapes[0], axis=1).max())
-    amplitude = _BENT * float(np.ptp(solid.points, axis=0).max()) / farthest
-    return modal_derivative_basis(
-        solid, modes, recipe.size, share=recipe.share, amplitude=amplitude
-    )
+    return modal_derivative_basis(solid, modes, recipe.size, share=recipe.share)
+
+
+def _training(solid: Solid, basis: Basis, recipe: Recipe, phases: Phases) -> CubatureTraining:
+    with phases("train"):
+        found = train_cubature(solid, basis.shapes, tolerance=recipe.tolerance)
+    if found.advice is not None and solid.comm.rank == 0:
+        _log.warning("cubature: %s", found.advice)
+    return found
 
 
 def _momenta(scene: Scene, solid: Solid, basis: Basis, kind: MassKind) -> Mapping[str, Array]:

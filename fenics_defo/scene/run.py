@@ -47,17 +47,17 @@ class Moving(Protocol):
 
     @property
     def energy_error(self) -> float | None:
-        """Largest error of the energy balance over all energy put in [-]; None: not watched."""
+        """Largest error of the energy balance so far over all energy put in [-]; None: statics."""
 
     @property
     def energy_gain(self) -> float | None:
         """The same of what was gained [-]."""
 
+    def check_energy(self) -> None:
+        """Refuse a motion that has run away."""
+
     def probe(self, name: str) -> NDArray[np.float64]:
         """Displacement (3,) [m] of a probe."""
-
-    def check_energy(self) -> None:
-        """Raise DivergenceError if the energy has run away."""
 
     def advance(self) -> StepReport:
         """Do one step."""

@@ -93,7 +93,12 @@ def test_json(command: Command) -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "kind", "size"), [("linear", "linear", 20), ("st-venant-kirchhoff", "cubic", 20)]
+    ("law", "kind", "size"),
+    [
+        ("linear", "linear", 20),
+        ("st-venant-kirchhoff", "cubic", 20),
+        ("neo-hookean", "cubature", 20),
+    ],
 )
 def test_the_law_settles_the_rest(command: Command, law: str, kind: str, size: int) -> None:
     assert command(*REDUCE, old="st-venant-kirchhoff", new=law)[0] == 0
@@ -126,9 +131,9 @@ def test_snapshots_of_a_simulation(command: Command) -> None:
 @pytest.mark.parametrize(
     ("arguments", "old", "new", "words"),
     [
-        ((), "st-venant-kirchhoff", "neo-hookean", "NeoHookean; choose --force taylor"),
-        (("--force", "cubic"), "st-venant-kirchhoff", "neo-hookean", "NeoHookean"),
-        (("--force", "cubature"), "", "", '"cubature" is not available yet'),
+        (("--force", "cubic"), "st-venant-kirchhoff", "neo-hookean", "NeoHookean; choose --force"),
+        (("--tolerance", "0"), "", "", "tolerance must lie between 0 and 1, got 0.0"),
+        (("--tolerance", "nan"), "", "", "tolerance must lie between 0 and 1, got nan"),
         (("--basis", "linear", "--share", "0.9"), "", "", "not by a share"),
         (("--share", "0"), "", "", "share must be above 0 and at most 1, got 0.0"),
         (("--share", "nan"), "", "", "share must be above 0 and at most 1, got nan"),
@@ -212,8 +217,9 @@ def test_two_ranks_give_the_same_model(command: Command, folder: Path) -> None:
     assert list(one.loads) == list(two.loads)
     rng = np.random.default_rng(4)
     for q in 0.3 * rng.standard_normal((3, 8)):
-        np.testing.assert_allclose(two.force(q), one.force(q), rtol=1e-8)
+        force = one.force(q)  # the modes, iterated on each number of ranks, tell the digits
+        np.testing.assert_allclose(two.force(q), force, rtol=0, atol=1e-8 * np.abs(force).max())
     for name, load_row in one.loads.items():
         np.testing.assert_allclose(
-            two.load(name), load_row, rtol=0, atol=1e-9 * np.abs(load_row).max()
+            two.load(name), load_row, rtol=0, atol=1e-8 * np.abs(load_row).max()
         )

@@ -7,11 +7,9 @@ integrals of mass that the inertia forces of this motion need, `FloatingBody` mo
 
 from fenics_defo.runtime.floating.body import Coupling, FloatingBody
 from fenics_defo.runtime.floating.conserved import FloatingEnergies
-from fenics_defo.runtime.floating.frame import FRAME_ARRAYS, FRAME_UNITS, FloatingFrame
+from fenics_defo.runtime.floating.frame import FloatingFrame
 
 __all__ = [
-    "FRAME_ARRAYS",
-    "FRAME_UNITS",
     "Coupling",
     "FloatingBody",
     "FloatingEnergies",

@@ -100,8 +100,8 @@ class FloatingBody:
         frame = model.frame
         if frame is None:
             raise DefoError(
-                "this model has no floating frame, so it cannot fly; reduce a body without "
-                "constraints, or use an integrator of held bodies such as ImplicitNewmark"
+                "this model has no floating frame and cannot fly; reduce a body that nothing "
+                "holds, or take an integrator of held bodies such as ImplicitNewmark"
             )
         if coupling not in ("full", "none"):
             raise DefoError(f"coupling must be 'full' or 'none', got {coupling!r}")
@@ -206,7 +206,7 @@ class FloatingBody:
     def energies(self) -> FloatingEnergies:
         """Energies of the last good state."""
         kinetic = kinetic_energy(self._now, self._stepper.inertia, mass=self._frame.mass)
-        return FloatingEnergies(kinetic, np.asarray(self.model.law.energy(self._now.q)))
+        return FloatingEnergies(kinetic, self.model.law.energy(self._now.q))
 
     def momentum(self) -> tuple[Array, Array]:
         """Momentum [kg m/s] and angular momentum about the world's origin [kg m²/s], (..., 3)."""
@@ -217,8 +217,7 @@ class FloatingBody:
         now, frame = self._now, self._frame
         shapes = self.model.shapes - frame.mean
         inside = self.model.points - frame.centre + (shapes @ now.q[..., None, :, None])[..., 0]
-        turned = inside @ np.swapaxes(now.rotation, -1, -2)
-        return np.asarray(now.position[..., None, :] + turned)
+        return now.position[..., None, :] + inside @ np.swapaxes(now.rotation, -1, -2)
 
     def world_displacement(self) -> Array:
         """How far the stored nodes are from where they are at rest in the model (..., p, 3) [m]."""

@@ -14,26 +14,6 @@ Array = NDArray[np.float64]
 PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """Axes (a, b) of the blocks of `FloatingFrame.quadratic`, in this order."""
 
-FRAME_ARRAYS = {
-    "frame_mass": ArraySpec("f", 0),
-    "frame_centre": ArraySpec("f", 1),
-    "frame_second_moment": ArraySpec("f", 2),
-    "frame_mean": ArraySpec("f", 2),
-    "frame_linear": ArraySpec("f", 3),
-    "frame_quadratic": ArraySpec("f", 3),
-}
-"""What a file must hold of a floating frame, for `read_archive`."""
-
-FRAME_UNITS = {
-    "frame_mass": "kg",
-    "frame_centre": "m",
-    "frame_second_moment": "kg m^2",
-    "frame_mean": "m per unit of q",
-    "frame_linear": "kg m^2 per unit of q",
-    "frame_quadratic": "kg m^2 per unit of q squared",
-}
-"""Units of these arrays."""
-
 # Least eigenvalue of the inertia, relative to the largest, of a body that is not a needle.
 _NEEDLE = 1e-12
 _SYMMETRY = 1e-9
@@ -74,8 +54,22 @@ class FloatingFrame:
         ValueError: arrays whose shapes or values do not fit together.
     """
 
-    ARRAYS: ClassVar[dict[str, ArraySpec]] = FRAME_ARRAYS
-    UNITS: ClassVar[dict[str, str]] = FRAME_UNITS
+    ARRAYS: ClassVar[dict[str, ArraySpec]] = {
+        "frame_mass": ArraySpec("f", 0),
+        "frame_centre": ArraySpec("f", 1),
+        "frame_second_moment": ArraySpec("f", 2),
+        "frame_mean": ArraySpec("f", 2),
+        "frame_linear": ArraySpec("f", 3),
+        "frame_quadratic": ArraySpec("f", 3),
+    }
+    UNITS: ClassVar[dict[str, str]] = {
+        "frame_mass": "kg",
+        "frame_centre": "m",
+        "frame_second_moment": "kg m^2",
+        "frame_mean": "m per unit of q",
+        "frame_linear": "kg m^2 per unit of q",
+        "frame_quadratic": "kg m^2 per unit of q squared",
+    }
 
     mass: float
     centre: Array

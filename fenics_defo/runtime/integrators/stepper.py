@@ -75,6 +75,11 @@ class Stepper:
         return np.array(self._scheme.a)
 
     @property
+    def iterations(self) -> int:
+        """Linear solves of the last step where Newton's method converges to a tolerance, else 0."""
+        return int(getattr(self._scheme, "iterations", 0))
+
+    @property
     def energies(self) -> Energies:
         """Energies of the last good state.
 

@@ -225,6 +225,15 @@ def test_playing_needs_numpy_only(model: Path, tmp_path: Path) -> None:
     assert strict_json(done.stdout)["size"] == 6
 
 
+def test_a_mass_of_the_other_kind_is_told(
+    model: Path, scene: Callable[..., Path], tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    play(model, scene(), tmp_path / "out")
+    assert caplog.text == ""
+    play(model, scene("implicit-newmark", "central-differences"), tmp_path / "out")
+    assert "the model's mass is consistent; simulate takes the lumped one" in caplog.text
+
+
 def test_an_interrupted_run_keeps_its_rows(model: Path, tmp_path: Path) -> None:
     asked: list[int] = []
 
@@ -252,6 +261,29 @@ def test_divergence_keeps_the_last_good_row(
     table = np.genfromtxt(tmp_path / "out" / "probes.csv", delimiter=",", skip_header=1)
     assert len(table) >= record["steps"] > 0
     assert np.isfinite(table).all()
+
+
+FLIGHT = SCENE.replace('[[fixed]]\nregion = "floor"\n', "")
+GRAVITY_ALONE = (
+    FLIGHT[: FLIGHT.index('[[load]]\nkind = "traction"')]
+    + "\n[time]\n"
+    + ('integrator = "implicit-newmark"\nstep = 1e-3\nduration = 5e-3\n')
+)
+
+
+def test_what_flies_knows_gravity_alone(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    scene = write_scene(tmp_path, GRAVITY_ALONE)
+    model = reduce_scene(scene, tmp_path / "model.npz", recipe=Recipe(modes=3, size=5))
+    assert model.frame is not None
+    pushed = write_scene(tmp_path, FLIGHT[: FLIGHT.index("[[probe]]")], "changed.toml")
+    with pytest.raises(SceneError, match=r"\[\[load\]\] 2: nothing holds .* no traction"):
+        play(tmp_path / "model.npz", pushed, tmp_path / "out")
+    static = GRAVITY_ALONE.replace("implicit-newmark", "static")
+    with pytest.raises(SceneError, match=r"\[time\]: nothing holds the body"):
+        play(tmp_path / "model.npz", write_scene(tmp_path, static, "c.toml"), tmp_path / "out")
+    euler = GRAVITY_ALONE.replace("implicit-newmark", "backward-euler")
+    play(tmp_path / "model.npz", write_scene(tmp_path, euler, "c.toml"), tmp_path / "out")
+    assert "by the trapezoidal rule, not by backward-euler" in caplog.text
 
 
 def test_scenes_are_known_by_their_text(model: Path) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import pyvista
 
+from fenics_defo import runtime
 from fenics_defo.scene import Recipe, play, read_scene, reduce_scene, simulate
 from fenics_defo.scene.records import OutputTable
 from tests.unit.scene.two_cells import IMPULSES, INITIAL, MOTIONS, SCENE, write_scene
@@ -68,6 +69,8 @@ def test_a_model_of_all_motions_is_the_simulation(tmp_path: Path, time: str) -> 
     # The scene is violent enough for the comparison to mean something.
     assert read(tmp_path / "full", "probes.csv")["tip_x"].max() > 0.01
     explicit = "central" in time or "symplectic" in time
+    assert explicit == (record["newton_iterations"] == 0)
+    assert record["energy_gain"] < 0.05
     compare(tmp_path, probes=1e-9, energies=1e-6 if explicit else 1e-9)
 
 
@@ -82,6 +85,16 @@ def test_equilibria_of_a_model_of_all_motions(tmp_path: Path) -> None:
     assert (record["status"], record["integrator"]) == ("finished", "static")
     assert record["newton_iterations"] >= 10
     assert read(tmp_path / "full", "probes.csv")["tip_x"].max() > 0.05
+    compare(tmp_path, probes=1e-9, energies=1e-9)
+
+
+def test_some_nodes_are_enough(tmp_path: Path) -> None:
+    """Only what a scene requires is stored: probes and tables need no nodes, frames all."""
+    text = SCENE + '[require]\noutputs = "z>0.9"\n'
+    record = run_both(tmp_path, text)
+    assert runtime.load(tmp_path / "model.npz").nodes.tolist() == [8, 9, 10, 11]
+    assert "motion.pvd" not in record["files"]
+    assert not (tmp_path / "played" / "motion.pvd").exists()
     compare(tmp_path, probes=1e-9, energies=1e-9)
 
 
@@ -141,18 +154,19 @@ every = 50
 
 def test_a_model_in_flight(tmp_path: Path) -> None:
     """Rigid motion and all 30 deformations: what differs are two rules of second order."""
-    record = run_both(tmp_path, SLAB, Recipe(basis="linear", modes=36 - 6, force="cubic"))
+    recipe, errors = Recipe(basis="linear", modes=36 - 6, force="cubic"), []
+    for step in ("4e-3", "2e-3"):
+        record = run_both(tmp_path, SLAB.replace("2e-3", step), recipe)
+        full, played = (read(tmp_path / name, "probes.csv") for name in ("full", "played"))
+        columns = [name for name in full.dtype.names if name != "time"]
+        errors.append(max(np.abs(played[c] - full[c]).max() for c in columns))
     assert record["dofs"] == 30
-    compare(tmp_path, probes=2e-3, energies=2e-3)
-    last = [read_last_frame(tmp_path / name) for name in ("full", "played")]
-    size = np.abs(last[0]["displacement"]).max()
-    np.testing.assert_allclose(
-        last[1]["displacement"], last[0]["displacement"], rtol=0, atol=5e-3 * size
-    )
-    fastest = np.abs(last[0]["velocity"]).max()
-    np.testing.assert_allclose(
-        last[1]["velocity"], last[0]["velocity"], rtol=0, atol=2e-2 * fastest
-    )
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
+    compare(tmp_path, probes=2e-4, energies=5e-3)
+    full, played = (read_last_frame(tmp_path / name) for name in ("full", "played"))
+    for name, allowed in (("displacement", 2e-4), ("velocity", 2e-3)):
+        scale = np.abs(full[name]).max()
+        np.testing.assert_allclose(played[name], full[name], rtol=0, atol=allowed * scale)
 
 
 def read_last_frame(folder: Path) -> Any:
