@@ -66,6 +66,7 @@ bare: $(stamp)  ## install without extras, elsewhere, and run a model there
 	@echo "a reduced model ran beside NumPy alone"
 
 docs: $(stamp)  ## the pages and the API as a site in docs/_build
+	@rm -rf docs/_build
 	@$(bin)/python -m sphinx --quiet --fail-on-warning --keep-going --conf-dir docs/sphinx \
 	    --builder html . docs/_build
 	@echo "The pages: $(CURDIR)/docs/_build/docs/index.html"

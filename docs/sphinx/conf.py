@@ -14,14 +14,19 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 
 # MPI must be loaded before autodoc imports anything that loads DOLFINx.
 import fenics_defo.fem.compat  # noqa: F401
+import fenics_defo
 from contents import add_contents
 from docstrings import escape_docstring, shorten_signature
-from fenics_defo import __version__
+
+# autodoc finds what a package has, not what it would load when asked.
+for subpackage in fenics_defo.__all__[1:]:
+    package = getattr(fenics_defo, subpackage)
+    for name in getattr(package, "__all__", ()):
+        setattr(package, name, getattr(package, name))
 
 project = "fenics_defo"
 author = "the authors of fenics_defo"
-project_copyright = "MIT licence"
-version = release = __version__
+version = release = fenics_defo.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 root_doc = "docs/index"
@@ -55,7 +60,7 @@ html_static_path = ["static"]
 html_css_files = ["pages.css"]
 html_extra_path = ["extra"]  # the index.html at the top, which leads to docs/index.html
 html_copy_source = False
-html_show_sphinx = False
+html_show_copyright = html_show_sphinx = False
 
 
 def setup(app: Sphinx) -> None:

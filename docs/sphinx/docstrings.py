@@ -24,6 +24,8 @@ def escape_docstring(
     """Rewrite the lines of a docstring in place, before napoleon sees them."""
     begin = next((at for at, line in enumerate(lines) if _SECTION.match(line)), len(lines))
     lines[:] = [*_text(lines[:begin]), *_sections(lines[begin:])]
+    if what == "module":
+        lines[:] = _of_interest(lines)
 
 
 def shorten_signature(
@@ -35,6 +37,12 @@ def shorten_signature(
 
 def _shorten(text: str | None) -> Any:
     return text and _ARRAY.sub(r"NDArray[\1]", text)
+
+
+def _of_interest(lines: list[str]) -> list[str]:
+    """Return a package's docstring without how its names are loaded, which is for its writers."""
+    begin = next((at for at, line in enumerate(lines) if "on first use" in line), len(lines))
+    return lines[:begin]
 
 
 def _text(lines: list[str]) -> list[str]:

@@ -42,13 +42,17 @@ def blocks(page: Path) -> list[Block]:
     return [Block(m[1], m[2], page, text.count("\n", 0, m.start()) + 1) for m in found]
 
 
+def lines(block: Block) -> list[str]:
+    """Commands, each in one line."""
+    return [line for line in block.text.replace("\\\n", " ").splitlines() if line.strip()]
+
+
 BLOCKS = [block for page in PAGES for block in blocks(page)]
 COMMANDS = [
     (f"{block.page.name}:{block.line}", line)
     for block in BLOCKS
     if block.language == "sh"
-    for line in block.text.splitlines()
-    if line.strip()
+    for line in lines(block)
 ]
 SHOWING = [page for page in PAGES if any(b.language == "python" for b in BLOCKS if b.page == page)]
 
@@ -63,7 +67,7 @@ def steps(page: Path) -> list[tuple[str, str, int, str]]:
         elif page in TOURS and block.language == "toml":
             done.append(("save", *place, block.text))
         elif page in TOURS and block.language == "sh":
-            done += [("run", *place, line) for line in block.text.splitlines()]
+            done += [("run", *place, line) for line in lines(block)]
     return done
 
 
