@@ -4,6 +4,7 @@ The source folder is the top of the repository, so that links between README, do
 pages hold as they are written, here and where a Git server shows the files.
 """
 
+# ruff: noqa: E402
 import sys
 from pathlib import Path
 
@@ -12,11 +13,11 @@ from sphinx.application import Sphinx
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1])]
 
-# MPI must be loaded before autodoc imports anything that loads DOLFINx.
-import fenics_defo.fem.compat  # noqa: F401
-import fenics_defo
 from contents import add_contents
-from docstrings import escape_docstring, shorten_signature
+from docstrings import escape_docstring, restore_docstring, shorten_signature
+
+import fenics_defo
+import fenics_defo.fem.compat  # MPI must load before autodoc imports what loads DOLFINx
 
 # autodoc finds what a package has, not what it would load when asked.
 for subpackage in fenics_defo.__all__[1:]:
@@ -50,7 +51,7 @@ toc_object_entries_show_parents = "hide"
 
 autodoc_member_order = "groupwise"
 autodoc_typehints_format = "short"
-autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_default_options = {"members": True}
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
 
@@ -68,4 +69,5 @@ def setup(app: Sphinx) -> None:
     app.connect("source-read", add_contents)
     # Before napoleon, which turns the sections of a docstring into fields.
     app.connect("autodoc-process-docstring", escape_docstring, priority=400)
+    app.connect("autodoc-process-docstring", restore_docstring, priority=600)
     app.connect("autodoc-process-signature", shorten_signature)

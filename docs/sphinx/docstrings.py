@@ -15,7 +15,9 @@ _SECTION = re.compile(r"(Args|Returns|Yields|Raises|Attributes|References|Notes?
 _ARRAY = re.compile(
     r"~?(?:numpy\.)?ndarray\[tuple\[(?:Any|int), \.\.\.\], ~?(?:numpy\.)?dtype\[([^\]]+)\]\]"
 )
+_VALUES = ("attribute", "data", "property")
 _FIELDS = {"Returns:": ":returns:", "Yields:": ":yields:"}
+_escaped: dict[str, list[str]] = {}
 
 
 def escape_docstring(
@@ -26,6 +28,16 @@ def escape_docstring(
     lines[:] = [*_text(lines[:begin]), *_sections(lines[begin:])]
     if what == "module":
         lines[:] = _of_interest(lines)
+    elif what in _VALUES:
+        _escaped[name] = list(lines)
+
+
+def restore_docstring(
+    app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]
+) -> None:
+    """Undo what napoleon does to a value: it takes what stands before a colon for the type."""
+    if what in _VALUES:
+        lines[:] = _escaped.pop(name, lines)
 
 
 def shorten_signature(
@@ -36,7 +48,11 @@ def shorten_signature(
 
 
 def _shorten(text: str | None) -> Any:
-    return text and _ARRAY.sub(r"NDArray[\1]", text)
+    if not text:
+        return text
+    # Sphinx cannot parse <factory>, and would show the text as it stands.
+    text = _ARRAY.sub(r"NDArray[\1]", text.replace("<factory>", "..."))
+    return text.replace("~numpy._typing._array_like.", "").replace("~numpy.float64", "float64")
 
 
 def _of_interest(lines: list[str]) -> list[str]:
@@ -50,11 +66,11 @@ def _text(lines: list[str]) -> list[str]:
     written: list[str] = []
     for blank, group in groupby(lines, key=lambda line: not line.strip()):
         paragraph = list(group)
-        if not blank and not paragraph[0].startswith("- "):
-            if any(line.startswith("  ") for line in paragraph):
-                written += ["::", "", *(f"    {line}" for line in paragraph)]
-                continue
-        written += [_escape(line) for line in paragraph]
+        laid_out = any(line.startswith("  ") for line in paragraph)
+        if laid_out and not blank and not paragraph[0].startswith("- "):
+            written += ["::", "", *(f"    {line}" for line in paragraph)]
+        else:
+            written += [_escape(line) for line in paragraph]
     return written
 
 
