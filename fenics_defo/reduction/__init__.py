@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fenics_defo.reduction.bases import linear_basis, modal_derivative_basis, snapshot_basis
     from fenics_defo.reduction.basis import Basis
-    from fenics_defo.reduction.cubature.training import CubatureTraining, train_cubature
+    from fenics_defo.reduction.cubature.result import CubatureTraining
+    from fenics_defo.reduction.cubature.training import train_cubature
     from fenics_defo.reduction.derivatives import modal_derivatives
     from fenics_defo.reduction.direct_force import DirectForce
     from fenics_defo.reduction.force_range import ForceRange, measure_range
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "Basis": "basis",
-    "CubatureTraining": "cubature.training",
+    "CubatureTraining": "cubature.result",
     "DirectForce": "direct_force",
     "ForceRange": "force_range",
     "basis_from_array": "given_fields",

@@ -15,7 +15,8 @@ from fenics_defo.fem.projection import Projection
 from fenics_defo.fem.regions import select_nodes
 from fenics_defo.reduction.basis import Basis
 from fenics_defo.reduction.body_fields import checked_fields
-from fenics_defo.reduction.cubature.training import CubatureTraining, train_cubature
+from fenics_defo.reduction.cubature.result import CubatureTraining
+from fenics_defo.reduction.cubature.training import train_cubature
 from fenics_defo.reduction.direct_force import DirectForce
 from fenics_defo.reduction.floating_frame import inertia_integrals
 from fenics_defo.reduction.force_range import measure_error, measure_range

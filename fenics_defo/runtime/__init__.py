@@ -11,7 +11,13 @@ if TYPE_CHECKING:
     from fenics_defo.runtime.atomic import atomic_path, check_writable
     from fenics_defo.runtime.comparison import mac
     from fenics_defo.runtime.floating import FloatingBody, FloatingFrame
-    from fenics_defo.runtime.forces import CubicForce, ForceLaw, LinearForce, TaylorForce
+    from fenics_defo.runtime.forces import (
+        CubatureForce,
+        CubicForce,
+        ForceLaw,
+        LinearForce,
+        TaylorForce,
+    )
     from fenics_defo.runtime.integrators import (
         BackwardEuler,
         CentralDifferences,
@@ -23,6 +29,7 @@ if TYPE_CHECKING:
     from fenics_defo.runtime.model import load_model as load
     from fenics_defo.runtime.modes import DIRECTIONS, NODES_PER_CELL, Modes, load_modes
     from fenics_defo.runtime.outputs import Outputs, Probe
+    from fenics_defo.runtime.range_watch import OutOfRangeError, OutOfRangeWarning, RangeWatch
 
 _HOME = {
     "DIRECTIONS": "modes",
@@ -30,6 +37,7 @@ _HOME = {
     "ArraySpec": "archive",
     "BackwardEuler": "integrators",
     "CentralDifferences": "integrators",
+    "CubatureForce": "forces",
     "CubicForce": "forces",
     "FloatingBody": "floating",
     "FloatingFrame": "floating",
@@ -38,8 +46,11 @@ _HOME = {
     "LinearForce": "forces",
     "ModalFilter": "integrators",
     "Modes": "modes",
+    "OutOfRangeError": "range_watch",
+    "OutOfRangeWarning": "range_watch",
     "Outputs": "outputs",
     "Probe": "outputs",
+    "RangeWatch": "range_watch",
     "ReducedModel": "model",
     "SymplecticEuler": "integrators",
     "TaylorForce": "forces",
@@ -58,6 +69,7 @@ __all__ = [
     "ArraySpec",
     "BackwardEuler",
     "CentralDifferences",
+    "CubatureForce",
     "CubicForce",
     "FloatingBody",
     "FloatingFrame",
@@ -66,8 +78,11 @@ __all__ = [
     "LinearForce",
     "ModalFilter",
     "Modes",
+    "OutOfRangeError",
+    "OutOfRangeWarning",
     "Outputs",
     "Probe",
+    "RangeWatch",
     "ReducedModel",
     "SymplecticEuler",
     "TaylorForce",

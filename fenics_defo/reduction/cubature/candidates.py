@@ -96,9 +96,9 @@ def _no_points(names: int, size: int) -> tuple[Array, Array, Array, IntArray]:
 
 
 def stresses(points: LawPoints, poses: Array) -> Array:
-    """P (n, t, 9) [Pa] of a law's candidates at poses (t, r); not finite where it has no answer."""
+    """P (n, 9, t) [Pa] of a law's candidates at poses (t, r); not finite where it has no answer."""
     count, poses_count = len(points.weights), len(poses)
-    stress = np.empty((count, poses_count, 9))
+    stress = np.empty((count, 9, poses_count))
     kernels = _Kernels(points, poses_count)
     for part in _blocks(count, max(1, _STRESSES // max(poses_count, 1))):
         size = part.stop - part.start
@@ -107,7 +107,7 @@ def stresses(points: LawPoints, poses: Array) -> Array:
         kernel.gradients[:] = moved.reshape(size, 9, -1).transpose(1, 0, 2).reshape(9, -1)
         kernel.gradients += IDENTITY[:, None]
         with np.errstate(all="ignore"):
-            stress[part] = kernel.stress().reshape(9, size, -1).transpose(1, 2, 0)
+            stress[part] = kernel.stress().reshape(9, size, -1).transpose(1, 0, 2)
     return stress
 
 
@@ -143,12 +143,12 @@ def volumes(points: LawPoints, poses: Array) -> tuple[Array, Array]:
 
 def total_force(groups: tuple[LawPoints, ...], answers: tuple[Array, ...], comm: MPI.Comm) -> Array:
     """F (t, r) at the poses by all candidates with the body's own weights; collective."""
-    r, t = groups[0].gradients.shape[2], answers[0].shape[1]
+    r, t = groups[0].gradients.shape[2], answers[0].shape[2]
     local = np.zeros((r, t))
     for points, stress in zip(groups, answers, strict=True):
         for part in _blocks(len(points.weights), _POINTS):
             scaled = points.gradients[part] * points.weights[part, None, None]
-            local += scaled.reshape(-1, r).T @ stress[part].transpose(0, 2, 1).reshape(-1, t)
+            local += scaled.reshape(-1, r).T @ stress[part].reshape(-1, t)
     total = np.empty_like(local)
     comm.Allreduce(local, total)
     return total.T.copy()

@@ -1,21 +1,25 @@
-"""Greedy choice of points, with non-negative weights, that reproduce the forces of the poses."""
+"""Choice of points, with non-negative weights, that reproduce the forces of the poses."""
 
-from collections.abc import Callable
+import time
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.fem.compat import MPI
-from fenics_defo.reduction.cubature.candidates import LawPoints, some_points, stresses
+from fenics_defo.reduction.cubature.interruption import Interruption
 from fenics_defo.reduction.cubature.nonnegative import GrowingLeastSquares
+from fenics_defo.reduction.cubature.pool import Pool, Poses
+from fenics_defo.reduction.cubature.progress import Observer, Progress, seconds_left
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 # Random subsets in a row without a candidate that helps, after which there is none.
 _FUTILE = 5
-_BLOCK = 1024
+# Thinning: points are added until the error is this part of the tolerance, then the cheapest leave.
+_OVERSHOOT, _SURPLUS = 0.8, 1.15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,121 +44,34 @@ class Selection:
     Args:
         numbers: of the chosen candidates (p,), ascending.
         weights: theirs (p,) [m³], positive.
-        curve: how the errors fell.
-        is_complete: whether the error or the number of points that was asked for was reached.
+        training: error at the training poses [-].
+        held_out: error at the held-out poses [-].
+        curve: how the errors fell as points were added, before any were taken away again.
+        is_interrupted: whether Ctrl-C ended it.
     """
 
     numbers: IntArray
     weights: Array
+    training: float
+    held_out: float
     curve: Curve
-    is_complete: bool
+    is_interrupted: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Poses:
-    """Coordinates, the exact reduced forces there, and the candidates' answers.
-
-    Args:
-        coordinates: (t, r).
-        forces: (t, r), none of them zero.
-        answers: P (n, t, 9) of this rank's candidates, one array a law; none where they are not
-            stored.
-    """
-
-    coordinates: Array
-    forces: Array
-    answers: tuple[Array, ...] = ()
-
-    @property
-    def sizes(self) -> Array:
-        """Norms of the forces (t,)."""
-        return np.linalg.norm(self.forces, axis=1)
-
-
-class Pool:
-    """The candidates of all ranks by their numbers; its methods are collective.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Search:
+    """How points are looked for.
 
     Args:
-        groups: this rank's candidates, one group a law.
-        training: poses.
-        comm: communicator.
+        subset: number of random candidates looked at for each point; None for all.
+        finalists: those of them that are most along the residual, of which the one that takes most
+            off it in orthogonal projection is added; with 1 it is simply the first.
+        rounds: how often points are added beyond the tolerance and the cheapest taken away.
     """
 
-    def __init__(self, groups: tuple[LawPoints, ...], training: Poses, comm: MPI.Comm) -> None:
-        self._groups, self._training, self._comm = groups, training, comm
-        largest = max((int(g.numbers.max(initial=-1)) for g in groups), default=-1)
-        #: Number of candidates on all ranks.
-        self.size = comm.allreduce(largest, op=MPI.MAX) + 1
-        self._group = np.full(self.size, -1)
-        self._place = np.zeros(self.size, np.int64)
-        for number, points in enumerate(groups):
-            self._group[points.numbers] = number
-            self._place[points.numbers] = np.arange(len(points.numbers))
-        scale = 1.0 / training.sizes
-        self._norms = [
-            np.concatenate([np.zeros(0), *self._block_norms(points, answers, scale)])
-            for points, answers in zip(groups, training.answers, strict=True)
-        ]
-
-    def best(self, numbers: IntArray, residual: Array, count: int) -> list[int]:
-        """Up to ``count`` of some candidates whose columns are most along a residual (t, r)."""
-        own = numbers[self._group[numbers] >= 0]
-        scores = np.full(len(own), -np.inf)
-        along = residual / self._training.sizes[:, None]
-        for group, (points, answers) in enumerate(
-            zip(self._groups, self._training.answers, strict=True)
-        ):
-            chosen = np.flatnonzero(self._group[own] == group)
-            for begin in range(0, len(chosen), _BLOCK):
-                some = chosen[begin : begin + _BLOCK]
-                places = self._place[own[some]]
-                pulled = points.gradients[places] @ along.T  # (k, 9, t)
-                products = np.einsum("kct,ktc->k", pulled, answers[places])
-                norms = self._norms[group][places]
-                scores[some] = np.divide(
-                    products, norms, out=np.full(len(some), -np.inf), where=norms > 0.0
-                )
-        first = np.lexsort((own, -scores))[:count]
-        found = [(float(scores[k]), int(own[k])) for k in first if scores[k] > 0.0]
-        ranked = sorted(
-            (pair for pairs in self._comm.allgather(found) for pair in pairs),
-            key=lambda pair: (-pair[0], pair[1]),
-        )
-        return [number for _, number in ranked[:count]]
-
-    def columns(self, numbers: list[int], poses: Poses) -> Array:
-        """Forces of some candidates of unit weight, over the norms of the whole (k, t r).
-
-        Args:
-            numbers: theirs.
-            poses: where.
-        """
-        r = poses.coordinates.shape[1]
-        local = np.zeros((len(numbers), len(poses.coordinates), r))
-        for row, number in enumerate(numbers):
-            group = self._group[number]
-            if group < 0:
-                continue
-            place = self._place[number]
-            points = self._groups[group]
-            if poses.answers:
-                stress = poses.answers[group][place]
-            else:
-                stress = stresses(some_points(points, np.array([place])), poses.coordinates)[0]
-            local[row] = stress @ points.gradients[place]
-        local /= poses.sizes[:, None]
-        total = np.empty_like(local)
-        self._comm.Allreduce(local, total)
-        return total.reshape(len(numbers), -1)
-
-    def _block_norms(self, points: LawPoints, answers: Array, scale: Array) -> list[Array]:
-        norms = []
-        for begin in range(0, len(points.weights), _BLOCK):
-            part = slice(begin, begin + _BLOCK)
-            forces = answers[part] @ points.gradients[part]
-            forces *= scale[:, None]
-            norms.append(np.sqrt(np.einsum("ktr,ktr->k", forces, forces)))
-        return norms
+    subset: int | None
+    finalists: int = 1
+    rounds: int = 0
 
 
 def select(
@@ -164,9 +81,10 @@ def select(
     *,
     tolerance: float,
     most: int,
-    subset: int | None,
+    search: Search,
     random: np.random.Generator,
-    observe: Callable[[int, float, float], None] | None = None,
+    comm: MPI.Comm,
+    observe: Observer | None = None,
 ) -> Selection:
     """Add the candidate that reduces the residual most, and solve for the weights, again and again.
 
@@ -174,7 +92,7 @@ def select(
     it is the sparse non-negative least squares of energy-conserving sampling and weighting, ended
     at the tolerance (Farhat et al., IJNME 98, 2014; Chapman et al., IJNME 109, 2017). Collective;
     the same on any number of ranks, but for round-off. An interruption from the keyboard ends it
-    with the set that was reached.
+    with the best set that was reached.
 
     Args:
         pool: candidates.
@@ -182,56 +100,134 @@ def select(
         held_out: poses that only judge.
         tolerance: error at the training poses at which to stop [-].
         most: number of points at which to stop.
-        subset: number of candidates looked at for each point; None for all.
+        search: how.
         random: where subsets come from.
-        observe: called with the number of points and the two errors.
+        comm: communicator.
+        observe: called with the progress.
+
+    Raises:
+        KeyboardInterrupt: before there was a point.
     """
-    target = (training.forces / training.sizes[:, None]).ravel()
-    judged = (held_out.forces / held_out.sizes[:, None]).ravel()
-    fit, elsewhere = GrowingLeastSquares(target), dict[int, Array]()
-    rows: list[tuple[int, float, float]] = []
-    futile, reached = 0, False
-    try:
-        while not reached and futile < _FUTILE:
-            numbers = _drawn(pool.size, subset, random)
-            numbers = np.setdiff1d(numbers, np.array(fit.keys, np.int64))
-            found = pool.best(numbers, fit.residual.reshape(training.forces.shape), 1)
-            if not found:
-                futile += 1 if subset is not None and subset < pool.size else _FUTILE
-                continue
-            fit.add(found, pool.columns(found, training))
-            elsewhere[found[0]] = pool.columns(found, held_out)[0]
-            futile = 0 if found[0] in fit.keys else futile + 1
-            sums = fit.weights @ np.array([elsewhere[key] for key in fit.keys])
-            errors = (
-                float(np.linalg.norm(fit.residual) / np.linalg.norm(target)),
-                float(np.linalg.norm(judged - sums) / np.linalg.norm(judged)),
-            )
-            rows.append((len(fit.keys), *errors))
-            if observe:
-                observe(*rows[-1])
-            reached = errors[0] <= tolerance or len(fit.keys) >= most
-    except KeyboardInterrupt:
-        pass
-    order = np.argsort(fit.keys)
-    points, first, second = (
-        (np.array(column) for column in zip(*rows, strict=True))
-        if rows
-        else (
-            np.zeros(0, np.int64),
-            np.zeros(0),
-            np.zeros(0),
-        )
-    )
+    run = _Run(pool, training, held_out, search, random)
+    with Interruption(comm) as interruption:
+        record = _Record(tolerance, most, observe, interruption)
+        while not run.is_done(tolerance, most) and not interruption.asked() and run.grow():
+            record.add(run)
+        best = run.fit
+        for _ in range(search.rounds if len(best.keys) else 0):
+            if interruption.asked():
+                break
+            best = run.thinned(best, tolerance, most)
+    if not best.keys:
+        raise KeyboardInterrupt
+    order = np.argsort(best.keys)
     return Selection(
-        numbers=np.array(fit.keys, np.int64)[order],
-        weights=fit.weights[order],
-        curve=Curve(points, first, second),
-        is_complete=reached,
+        numbers=np.array(best.keys, np.int64)[order],
+        weights=best.weights[order],
+        training=best.error,
+        held_out=run.judged(best),
+        curve=record.curve(),
+        is_interrupted=interruption.heard,
     )
 
 
-def _drawn(size: int, subset: int | None, random: np.random.Generator) -> IntArray:
-    if subset is None or subset >= size:
-        return np.arange(size)
-    return random.choice(size, subset, replace=False)
+class _Run:
+    """A set of points that grows and is thinned; collective."""
+
+    def __init__(
+        self,
+        pool: Pool,
+        training: Poses,
+        held_out: Poses,
+        search: Search,
+        random: np.random.Generator,
+    ) -> None:
+        self._pool, self._search, self._random = pool, search, random
+        self._training, self._held_out = training, held_out
+        self._judged = (held_out.forces / held_out.sizes[:, None]).ravel()
+        self._elsewhere: dict[int, Array] = {}
+        self.fit = GrowingLeastSquares((training.forces / training.sizes[:, None]).ravel())
+
+    def is_done(self, tolerance: float, most: int) -> bool:
+        """Whether the error or the number of points has been reached."""
+        return len(self.fit.keys) >= most or self.fit.error <= tolerance
+
+    def grow(self) -> bool:
+        """Add a point; False if none helps."""
+        subset, size = self._search.subset, self._pool.size
+        draws = subset is not None and subset < size
+        for _ in range(_FUTILE if draws else 1):
+            drawn = self._random.choice(size, subset, replace=False) if draws else np.arange(size)
+            drawn = np.setdiff1d(drawn, np.array(self.fit.keys, np.int64))
+            residual = self.fit.residual.reshape(self._training.forces.shape)
+            found = self._pool.best(drawn, residual, self._search.finalists)
+            if not len(found):
+                continue
+            columns = self._pool.columns(found, self._training)
+            best = int(np.argmax(self.fit.gains(columns))) if len(found) > 1 else 0
+            key = int(found[best])
+            self.fit.add([key], columns[best : best + 1])
+            if key in self.fit.keys:
+                self._elsewhere[key] = self._pool.columns(found[best : best + 1], self._held_out)[0]
+                return True
+        return False
+
+    def judged(self, fit: GrowingLeastSquares) -> float:
+        """Error at the held-out poses."""
+        sums = fit.weights @ np.array([self._elsewhere[key] for key in fit.keys])
+        return float(np.linalg.norm(self._judged - sums) / np.linalg.norm(self._judged))
+
+    def thinned(
+        self, best: GrowingLeastSquares, tolerance: float, most: int
+    ) -> GrowingLeastSquares:
+        """The set with some more points and then without the cheapest, if that is better."""
+        self.fit = copy(best)
+        surplus = int(np.ceil(_SURPLUS * len(best.keys))) + 1
+        while not self.is_done(_OVERSHOOT * tolerance, surplus) and self.grow():
+            pass
+        fit = self.fit
+        while len(fit.keys) > 1:
+            fewer = fit.without_cheapest()
+            if len(fit.keys) <= most and not fewer.error <= tolerance:
+                break
+            fit = fewer
+        return min(best, fit, key=lambda one: (max(one.error, tolerance), len(one.keys)))
+
+
+class _Record:
+    """Errors after each point, told to whom it may concern."""
+
+    def __init__(
+        self, tolerance: float, most: int, observe: Observer | None, interruption: Interruption
+    ) -> None:
+        self._tolerance, self._most = tolerance, most
+        self._observe, self._interruption = observe, interruption
+        self._rows: list[tuple[int, float, float]] = []
+        self._begin = time.perf_counter()
+        self._seconds: list[float] = []
+
+    def add(self, run: _Run) -> None:
+        """Note the state after a point was added."""
+        row = len(run.fit.keys), run.fit.error, run.judged(run.fit)
+        self._rows.append(row)
+        self._seconds.append(time.perf_counter() - self._begin)
+        if self._observe is None:
+            return
+        errors = [error for _, error, _ in self._rows]
+        left = seconds_left(errors, self._seconds, self._tolerance, self._most)
+        told = Progress(
+            points=row[0],
+            training=row[1],
+            held_out=row[2],
+            seconds=self._seconds[-1],
+            seconds_left=left,
+        )
+        try:
+            self._observe(told)
+        except KeyboardInterrupt:
+            self._interruption.note()
+
+    def curve(self) -> Curve:
+        """All that was noted."""
+        points, training, held_out = zip(*self._rows, strict=True)
+        return Curve(np.array(points), np.array(training), np.array(held_out))

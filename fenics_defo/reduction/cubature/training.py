@@ -1,9 +1,8 @@
 """From a body and a basis to a cubature of any energy, judged by poses held out from training."""
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,89 +15,28 @@ from fenics_defo.reduction.cubature.candidates import (
     stresses,
     total_force,
 )
+from fenics_defo.reduction.cubature.chosen_law import assembled, corrected, frequency_error
+from fenics_defo.reduction.cubature.pool import Pool, Poses
 from fenics_defo.reduction.cubature.poses import Cloud, PoseSampler, rest_stiffness
-from fenics_defo.reduction.cubature.selection import Curve, Pool, Poses, Selection, select
-from fenics_defo.runtime.forces import CubatureForce
+from fenics_defo.reduction.cubature.progress import Observer
+from fenics_defo.reduction.cubature.result import CubatureTraining
+from fenics_defo.reduction.cubature.selection import Search, Selection, select
 
 Array = NDArray[np.float64]
 
 type PoseKind = Literal["statics", "sampled"]
-type Method = Literal["greedy", "ecsw"]
+type Method = Literal["thinned", "greedy", "ecsw"]
 
-#: Candidates looked at for each point by the greedy method.
+#: Candidates looked at for each point where not all are.
 SUBSET = 1000
+_SEARCHES = {
+    "thinned": Search(subset=SUBSET, finalists=50, rounds=6),
+    "greedy": Search(subset=SUBSET),
+    "ecsw": Search(subset=None),
+}
 #: Poses for each coordinate, and the fewest.
 _POSES_EACH, _FEWEST = 4, 60
 _EACH_HELD_OUT = 4  # one held-out pose for so many
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CubatureTraining:
-    """A trained cubature and all that is known of its error.
-
-    Args:
-        force: the law.
-        curve: errors as points were added.
-        tolerance: error at the training poses that was asked for [-].
-        poses: coordinates of the training poses (t, r).
-        strains: largest strain ‖Fᵀ F − I‖ / 2 of each training pose (t,) [-].
-        kind: "statics", "sampled" or "given".
-        redrawn: poses drawn again because a cell was inside out.
-        seed: of all that is random.
-        candidates: number of points to choose from.
-        rest_error: largest relative error of a frequency at rest within the basis, before any
-            correction [-].
-        seconds: by phase.
-        advice: what to do where the tolerance was not reached, or the held-out error is above
-            twice the tolerance; None where all is well.
-    """
-
-    force: CubatureForce
-    curve: Curve
-    tolerance: float
-    poses: Array
-    strains: Array
-    kind: str
-    redrawn: int
-    seed: int
-    candidates: int
-    rest_error: float
-    seconds: dict[str, float]
-    advice: str | None
-
-    @property
-    def points(self) -> int:
-        """Number of points."""
-        return self.force.points
-
-    @property
-    def training_error(self) -> float:
-        """Root mean square of ‖f̂ − f‖ / ‖f‖ over the training poses [-]."""
-        return float(self.curve.training[-1])
-
-    @property
-    def held_out_error(self) -> float:
-        """The same over poses that the weights were not fitted to [-]."""
-        return float(self.curve.held_out[-1])
-
-    def certificate(self) -> dict[str, Any]:
-        """What a model says of its cubature, in plain values."""
-        return {
-            "points": self.points,
-            "candidates": self.candidates,
-            "tolerance": self.tolerance,
-            "training_error": self.training_error,
-            "held_out_error": self.held_out_error,
-            "poses": len(self.poses),
-            "pose_kind": self.kind,
-            "redrawn": self.redrawn,
-            "largest_strain": float(self.strains.max()),
-            "largest_coordinates": np.abs(self.poses).max(axis=0).tolist(),
-            "rest_frequency_error": self.rest_error,
-            "keeps_rest_stiffness": self.force.correction is not None,
-            "seed": self.seed,
-            "advice": self.advice,
-        }
 
 
 def train_cubature(
@@ -111,9 +49,9 @@ def train_cubature(
     count: int | None = None,
     strain: float = 0.2,
     seed: int = 0,
-    method: Method = "greedy",
+    method: Method = "thinned",
     keep_rest_stiffness: bool = False,
-    observe: Callable[[int, float, float], None] | None = None,
+    observe: Observer | None = None,
 ) -> CubatureTraining:
     """Choose points and weights for a body's laws within a basis; collective.
 
@@ -133,13 +71,15 @@ def train_cubature(
         strain: largest strain ‖Fᵀ F − I‖ / 2 of poses that are drawn [-].
         seed: of all that is random.
         method: "greedy", each point from a random subset of the candidates (An, Kim and James
-            2008); or "ecsw", each from all of them (Farhat et al. 2014).
+            2008); "ecsw", each from all of them (Farhat et al. 2014); or "thinned", from a random
+            subset with orthogonal projection, and points that are not needed taken away again.
         keep_rest_stiffness: add to the law what it lacks of the exact stiffness at rest.
-        observe: called with the number of points, the training and the held-out error.
+        observe: called after each point with the `Progress`.
 
     Raises:
         DefoError: an argument out of its range, or poses that turn cells inside out.
         MaterialError: springs, which have no points.
+        KeyboardInterrupt: before there was a point.
     """
     U = np.asarray(shapes, np.float64)
     _check(tolerance, most, count, strain, method)
@@ -160,19 +100,16 @@ def train_cubature(
             held_out,
             tolerance=tolerance,
             most=most or 20 * len(U),
-            subset=SUBSET if method == "greedy" else None,
+            search=_SEARCHES[method],
             random=random,
+            comm=solid.comm,
             observe=observe,
         )
-    if not len(chosen.numbers):
-        raise DefoError("the training ended before it had a point; let it run longer")
-    force = assembled(groups, chosen, solid)
+    force = assembled(groups, chosen.numbers, chosen.weights, solid.comm)
     exact = rest_stiffness(groups, solid.comm)
     lack = exact - force.stiffness(np.zeros(force.size))
-    if keep_rest_stiffness:
-        force = _with_correction(force, lack)
     return CubatureTraining(
-        force=force,
+        force=corrected(force, lack) if keep_rest_stiffness else force,
         curve=chosen.curve,
         tolerance=tolerance,
         poses=train.coordinates,
@@ -181,31 +118,12 @@ def train_cubature(
         redrawn=train.redrawn + judge.redrawn,
         seed=seed,
         candidates=pool.size,
-        rest_error=_frequency_error(exact, lack),
+        rest_error=frequency_error(exact, lack),
         seconds=seconds,
+        training_error=chosen.training,
+        held_out_error=chosen.held_out,
+        method=method,
         advice=_advice(chosen, tolerance),
-    )
-
-
-def assembled(groups: tuple[LawPoints, ...], chosen: Selection, solid: Solid) -> CubatureForce:
-    """The law of some candidates, gathered from the ranks that have them; collective."""
-    parts = []
-    for points in groups:
-        own = np.isin(points.numbers, chosen.numbers)
-        numbers = points.numbers[own]
-        weights = chosen.weights[np.searchsorted(chosen.numbers, numbers)]
-        local = numbers, weights, points.gradients[own], points.parameters[:, own].T
-        everywhere = [np.concatenate(x) for x in zip(*solid.comm.allgather(local), strict=True)]
-        order = np.argsort(everywhere[0])
-        if len(order):
-            parts.append((points.law, *(column[order] for column in everywhere[1:])))
-    laws, each, gradients, parameters = zip(*parts, strict=True)
-    return CubatureForce(
-        np.concatenate(each),
-        np.concatenate(gradients),
-        laws,
-        tuple(len(column) for column in each),
-        tuple(np.ascontiguousarray(values.T) for values in parameters),
     )
 
 
@@ -222,8 +140,8 @@ def _check(
             raise DefoError(f"{name} must be at least 1, got {number!r}")
     if not 0.0 < strain < np.inf:
         raise DefoError(f"the largest strain of the poses must be positive, got {strain!r}")
-    if method not in ("greedy", "ecsw"):
-        raise DefoError(f"method must be 'greedy' or 'ecsw', got {method!r}")
+    if method not in _SEARCHES:
+        raise DefoError(f"method must be one of {', '.join(map(repr, _SEARCHES))}, got {method!r}")
 
 
 def _pose_count(size: int) -> int:
@@ -260,28 +178,10 @@ def _answered(groups: tuple[LawPoints, ...], cloud: Cloud, solid: Solid) -> Pose
     return Poses(cloud.coordinates, forces, answers)
 
 
-def _with_correction(force: CubatureForce, lack: Array) -> CubatureForce:
-    return CubatureForce(
-        force.weights,
-        force.gradients,
-        force.laws,
-        force.counts,
-        force.parameters,
-        0.5 * (lack + lack.T),
-    )
-
-
-def _frequency_error(exact: Array, lack: Array) -> float:
-    """Largest |ω̂ / ω − 1| over all directions of the basis: of Rayleigh's quotients of K̂ in K."""
-    values, vectors = np.linalg.eigh(0.5 * (exact + exact.T))
-    scaled = vectors / np.sqrt(values)
-    relative = np.linalg.eigvalsh(scaled.T @ (0.5 * (lack + lack.T)) @ scaled)
-    ratios = np.sqrt(np.maximum(1.0 - relative, 0.0))
-    return float(np.abs(ratios - 1.0).max())
-
-
 def _advice(chosen: Selection, tolerance: float) -> str | None:
-    training, held_out = chosen.curve.training[-1], chosen.curve.held_out[-1]
+    training, held_out = chosen.training, chosen.held_out
+    if chosen.is_interrupted:
+        return f"the training was interrupted at an error of {training:.3g}: let it run to its end"
     if training > tolerance:
         return (
             f"the error at the training poses is {training:.3g}, above the tolerance "

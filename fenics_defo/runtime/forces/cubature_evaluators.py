@@ -131,6 +131,7 @@ class CubatureBatchEvaluator:
         self._kernels = {b: [(group, group.kernel(b)) for group in groups] for b in widths}
         largest = max((len(group.weights) for group in groups), default=1)
         self._products = np.empty(max(widths, default=1) * largest * 9 * r)
+        self._tangents = np.empty(max(widths, default=1) * largest * 81)
         self._force = np.empty((bodies, r))
         self._stiffness = np.empty((bodies, r, r))
 
@@ -168,14 +169,17 @@ class CubatureBatchEvaluator:
         self._force[part] += np.dot(stress.reshape(-1, bodies).T, group.weighted)
 
     def _add_stiffness(self, group: PointGroup, tangent: Array, part: slice) -> None:
+        """Add K by two large products: all bodies of a point at once, then all bodies' sums."""
         bodies, (n, _, r) = part.stop - part.start, group.blocks.shape
-        product = self._products[: bodies * n * 9 * r].reshape(bodies, n, 9, r)
-        of_bodies = tangent.reshape(n, bodies, 9, 9).transpose(1, 0, 2, 3)
-        np.matmul(of_bodies, group.blocks, out=product)
-        half = np.matmul(group.weighted_blocks.T, product.reshape(bodies, 9 * n, r))
+        by_rows = self._tangents[: n * 81 * bodies].reshape(n, 9, bodies, 9)
+        by_rows[:] = tangent.reshape(n, bodies, 9, 9).transpose(0, 2, 1, 3)
+        product = self._products[: n * 9 * bodies * r].reshape(n, 9 * bodies, r)
+        np.matmul(by_rows.reshape(n, 9 * bodies, 9), group.blocks, out=product)
+        half = np.dot(group.weighted_blocks.T, product.reshape(9 * n, bodies * r))
         half *= 0.5
-        self._stiffness[part] += half
-        self._stiffness[part] += half.transpose(0, 2, 1)
+        of_bodies = half.reshape(r, bodies, r)
+        self._stiffness[part] += of_bodies.transpose(1, 0, 2)
+        self._stiffness[part] += of_bodies.transpose(1, 2, 0)
 
 
 def _deform(group: PointGroup, kernel: PointKernel, q: Array) -> None:

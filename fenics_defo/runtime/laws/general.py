@@ -1,6 +1,7 @@
 """Energies of the deformation gradient at a batch of points, from a list of operations."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,27 +27,39 @@ class GeneralKernel:
         self, listing: OperationList, parameters: Sequence[Array | float], count: int
     ) -> None:
         given = dict(enumerate(parameters, start=9))
-        self._curved = Machine(listing, (count,), given)
-        self._sloped = Machine(listing.first_outputs(10), (count,), given)
-        self._level = Machine(listing.first_outputs(1), (count,), given)
+        self._listing, self._given = listing, given
         self.gradients: Array = np.zeros((9, count))
         self._tangent = np.zeros((count, 9, 9))
 
     def energy(self) -> Array:
         """ψ (n,) [J/m³]."""
-        self._level.inputs[:] = self.gradients
         return self._level.run()[0]
 
     def stress(self) -> Array:
         """P (9, n) [Pa]."""
-        self._sloped.inputs[:] = self.gradients
-        return self._sloped.run()[1:]
+        return self._sloped.run()
 
     def stress_and_tangent(self) -> tuple[Array, Array]:
         """P (9, n) and ∂P/∂F (n, 9, 9) [Pa]."""
-        self._curved.inputs[:] = self.gradients
         outputs = self._curved.run()
-        second = outputs[10:].T
+        second = outputs[9:].T
         self._tangent[:, _ROWS, _COLUMNS] = second
         self._tangent[:, _COLUMNS, _ROWS] = second
-        return outputs[1:10], self._tangent
+        return outputs[:9], self._tangent
+
+    @cached_property
+    def _level(self) -> Machine:
+        return self._machine(range(1))
+
+    @cached_property
+    def _sloped(self) -> Machine:
+        return self._machine(range(1, 10))
+
+    @cached_property
+    def _curved(self) -> Machine:
+        return self._machine(range(1, 55))
+
+    def _machine(self, outputs: range) -> Machine:
+        """What computes some outputs of the list from the gradients."""
+        shape = self.gradients.shape[1:]
+        return Machine(self._listing.only(outputs), shape, self._given, inputs=self.gradients)

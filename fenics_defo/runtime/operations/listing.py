@@ -1,6 +1,6 @@
 """A list of operations: straight-line code as plain arrays, checked before it runs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -111,11 +111,12 @@ class OperationList:
         result: NDArray[np.bool_] = idle[self.outputs]
         return result
 
-    def first_outputs(self, count: int) -> "OperationList":
-        """The list that computes the first ``count`` outputs and nothing else."""
+    def only(self, rows: Sequence[int]) -> "OperationList":
+        """The list that computes some of the outputs, by their places, and nothing else."""
+        outputs = self.outputs[list(rows)]
         first = self.inputs + self.constants.size
         needed = np.zeros(first + self.codes.size, bool)
-        needed[self.outputs[:count]] = True
+        needed[outputs] = True
         for place in range(self.codes.size - 1, -1, -1):
             if needed[first + place]:
                 operands = self.operands[place]
@@ -128,7 +129,7 @@ class OperationList:
             constants=self.constants,
             codes=self.codes[kept],
             operands=np.where(self.operands >= 0, number[self.operands], -1)[kept],
-            outputs=number[self.outputs[:count]],
+            outputs=number[outputs],
         )
 
     def arrays(self) -> dict[str, NDArray[Any]]:

@@ -22,13 +22,21 @@ class Machine:
         listing: the operations.
         shape: of each input, such as (points,) or (bodies, points).
         parameters: number of an input -> its value for good, which broadcasts to ``shape``.
+        inputs: an array to take the other inputs from, (open inputs, *shape); its own if not given.
     """
 
     def __init__(
-        self, listing: OperationList, shape: tuple[int, ...], parameters: Mapping[int, Any]
+        self,
+        listing: OperationList,
+        shape: tuple[int, ...],
+        parameters: Mapping[int, Any],
+        *,
+        inputs: Array | None = None,
     ) -> None:
+        opened_shape = (listing.inputs - len(parameters), *shape)
         #: (open inputs, *shape): where a caller puts the inputs that are no parameters, in order.
-        self.inputs: Array = np.zeros((listing.inputs - len(parameters), *shape))
+        self.inputs: Array = np.zeros(opened_shape) if inputs is None else inputs
+        assert self.inputs.shape == opened_shape
         #: (outputs, *shape): the results of the last `run`.
         self.outputs: Array = np.zeros((listing.outputs.size, *shape))
         self._shape = shape

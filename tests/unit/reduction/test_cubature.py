@@ -1,5 +1,8 @@
 """Cubature: exact with all points, accurate on poses it has not seen, the same on each run."""
 
+import os
+import signal
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,10 +13,10 @@ from scipy.optimize import nnls
 from fenics_defo import energy
 from fenics_defo.errors import DefoError, MaterialError
 from fenics_defo.reduction.cubature.candidates import candidates, stresses, total_force
+from fenics_defo.reduction.cubature.chosen_law import assembled
 from fenics_defo.reduction.cubature.nonnegative import GrowingLeastSquares
 from fenics_defo.reduction.cubature.poses import PoseSampler, rest_stiffness
-from fenics_defo.reduction.cubature.selection import Curve, Selection
-from fenics_defo.reduction.cubature.training import assembled, train_cubature
+from fenics_defo.reduction.cubature.training import train_cubature
 from fenics_defo.reduction.direct_force import DirectForce
 from tests.unit.reduction.cubature_bodies import LAWS, TWO, body, shapes_of
 
@@ -25,10 +28,7 @@ def with_all_points(solid, shapes):
     numbers = np.concatenate([points.numbers for points in groups])
     weights = np.concatenate([points.weights for points in groups])
     order = np.argsort(numbers)
-    everything = Selection(
-        numbers[order], weights[order], Curve(np.zeros(0), np.zeros(0), np.zeros(0)), True
-    )
-    return assembled(groups, everything, solid)
+    return assembled(groups, numbers[order], weights[order], solid.comm)
 
 
 def poses(size, count=3, scale=0.05):
@@ -60,7 +60,7 @@ def test_any_element_and_two_materials_are_summed_exactly(kind, order):
     assert np.abs(own.force(q) - wanted).max() <= 1e-12 * np.abs(wanted).max()
 
 
-@pytest.mark.parametrize("method", ["greedy", "ecsw"])
+@pytest.mark.parametrize("method", ["thinned", "greedy", "ecsw"])
 def test_training_keeps_its_promise_on_poses_it_has_not_seen(method):
     solid = body()
     shapes = shapes_of(solid, 6)
@@ -83,12 +83,14 @@ def test_errors_fall_with_the_points_and_the_curve_tells_so():
     solid = body()
     shapes = shapes_of(solid, 6)
     seen = []
-    found = train_cubature(
-        solid, shapes, tolerance=1e-6, most=24, observe=lambda *row: seen.append(row)
-    )
+    found = train_cubature(solid, shapes, tolerance=1e-6, most=24, observe=seen.append)
     assert found.points == 24
     curve = found.curve
-    assert seen == list(zip(curve.points, curve.training, curve.held_out, strict=True))
+    rows = [(one.points, one.training, one.held_out) for one in seen]
+    assert rows == list(zip(curve.points, curve.training, curve.held_out, strict=True))
+    assert found.training_error <= curve.training[-1]
+    assert seen[0].seconds_left is None
+    assert 0.0 <= seen[-2].seconds_left <= seen[-1].seconds
     assert (np.diff(found.curve.training) <= 1e-12).all()
     few, many = (found.curve.held_out[found.curve.points >= n][0] for n in (8, 24))
     assert many < 0.5 * few
@@ -132,17 +134,27 @@ def test_poses_of_ones_own_train_and_judge():
     assert found.held_out_error < 0.2
 
 
-def test_an_interruption_keeps_the_best_set_reached():
+@pytest.mark.parametrize("how", ["raised", "pressed"])
+def test_an_interruption_keeps_the_best_set_reached(how):
+    how = {"raised": raised, "pressed": pressed}[how]
     solid = body()
     shapes = shapes_of(solid, 4)
 
-    def stop(points, training, held_out):
-        if points == 5:
-            raise KeyboardInterrupt
+    def stop(progress):
+        if progress.points == 5:
+            how()
 
     found = train_cubature(solid, shapes, tolerance=1e-6, observe=stop)
     assert found.points == 5
-    assert found.advice is not None
+    assert "interrupted" in found.advice
+
+
+def raised():
+    raise KeyboardInterrupt
+
+
+def pressed():
+    os.kill(os.getpid(), signal.SIGINT)
 
 
 def test_drawn_poses_have_the_strains_that_were_asked_for_and_no_inverted_cell():

@@ -1,5 +1,7 @@
 """Models with cubature: from a body to a file to a run, against the full simulation."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -78,6 +80,33 @@ def test_an_undamped_run_keeps_its_energy(model):
         levels.append(0.5 * run.v @ model.mass @ run.v + model.energy(run.q))
     levels = np.array(levels)
     assert np.ptp(levels) <= 0.02 * levels.mean()
+
+
+def test_a_watch_tells_of_strains_beyond_the_training(model, solid):
+    pose = np.linalg.solve(model.stiffness(np.zeros(model.size)), model.gravity(PULL))
+    watch = runtime.RangeWatch(model)
+    near = pose / watch.check(1e-4 * pose) * 1e-4
+    trained = model.certificate["force"]["largest_point_strain"]
+    within = 0.1 * near
+    assert watch.check(within) == pytest.approx(
+        model.law.strains(within).max() / trained, rel=1e-12
+    )
+    with pytest.warns(runtime.OutOfRangeWarning, match="larger strain"):
+        assert watch.check(np.array([within, 10 * near])) > 1.0
+    assert watch.check(10 * near) == watch.largest  # and no second warning
+    assert runtime.RangeWatch(model, beyond="ignore").check(10 * near) > 1.0
+    strict = runtime.RangeWatch(model, beyond="raise")
+    with pytest.raises(runtime.OutOfRangeError, match="training"):
+        strict.check(10 * near)
+    assert runtime.RangeWatch(model, beyond="raise", margin=100.0).check(5 * near) < 100.0
+    for wrong in ({"beyond": "shout"}, {"margin": 0.0}):
+        with pytest.raises(DefoError, match=next(iter(wrong))):
+            runtime.RangeWatch(model, **wrong)
+    basis = reduction.basis_from_array(solid, shapes_from(model))
+    with pytest.raises(DefoError, match="no trained range"):
+        runtime.RangeWatch(reduction.reduce(solid, basis, "linear", range_tolerance=None))
+    with pytest.raises(DefoError, match="certificate"):
+        runtime.RangeWatch(dataclasses.replace(model, certificate={}))
 
 
 def test_a_training_of_ones_own_is_used_and_checked(solid):
