@@ -94,7 +94,11 @@ def test_each_block_names_a_known_language() -> None:
     assert [(b.page.name, b.line) for b in BLOCKS if b.language not in known] == []
 
 
-@pytest.mark.parametrize("page", SHOWING, ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(p, marks=pytest.mark.slow) if p in TOURS else p for p in SHOWING],
+    ids=[str(p.relative_to(ROOT)) for p in SHOWING],
+)
 def test_pages_run(page: Path, folder: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-W", "error", SESSION],
