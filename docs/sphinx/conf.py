@@ -45,6 +45,8 @@ exclude_patterns = ["docs/_build", ".*", "build", "demo", "dist"]
 
 # Blocks without a language are formulas and tables of output.
 highlight_language = "none"
+# q' and u'' are derivatives.
+smartquotes = False
 myst_heading_anchors = 3
 python_maximum_signature_line_length = 80
 toc_object_entries_show_parents = "hide"
