@@ -126,7 +126,7 @@ def refusal(path: Path) -> str:
         ({"format_version": np.array(0)}, "impossible version 0"),
         ({"format_version": np.array(2**64 - 1, dtype=np.uint64)}, "has version 1844674"),
         ({"format_version": np.array(1.0)}, "'format_version' has type float64"),
-        ({"force": np.array("cubature")}, "law of the unknown kind 'cubature'; .* knows linear, "),
+        ({"force": np.array("spectral")}, "law of the unknown kind 'spectral'; .* knows linear, "),
         ({"force": np.array("taylor\n\x1b[2J")}, r"unknown kind 'taylor\\n\\x1b\[2J'"),
         ({"force": np.array("linear")}, "'force_stiffness' is missing"),
         ({"frame": np.array("spinning")}, "frame of the unknown kind 'spinning'"),
