@@ -1,6 +1,6 @@
 """The sidebar: docs/index.md is a plain list of links under headings, and that is its order.
 
-A page that nobody has linked there yet comes last, instead of failing the build.
+A page that nobody has linked there yet joins those of its folder, or comes last.
 """
 
 import posixpath
@@ -17,14 +17,21 @@ def add_contents(app: Sphinx, docname: str, source: list[str]) -> None:
     """Append to the root page a hidden table of contents for each of its sections."""
     if docname != app.config.root_doc:
         return
-    sections = dict(_linked(source[0], posixpath.dirname(docname)))
+    top = posixpath.dirname(docname)
+    sections = dict(_linked(source[0], top))
     listed = {docname}.union(*sections.values())
-    for name, pages in sections.items():
-        source[0] += _toctree(name, [f"{label} </{page}>" for page, label in pages.items()])
+    # The section of each folder below that of the root page; the last is for what is left.
+    homes = {
+        posixpath.dirname(page): name for name, pages in sections.items() for page in pages
+    } | {top: "More"}
     # The pages below the one of the API are listed there.
-    others = (page for page in app.project.docnames if not page.startswith("docs/api/"))
-    if rest := sorted(page for page in others if page not in listed):
-        source[0] += _toctree("More", [f"/{page}" for page in rest])
+    others = (page for page in app.project.docnames if not page.startswith(f"{top}/api/"))
+    for page in sorted(set(others) - listed):
+        home = homes.get(posixpath.dirname(page), "More")
+        sections.setdefault(home, {})[page] = ""
+    for name, pages in sections.items():
+        entries = [f"{label} </{page}>" if label else f"/{page}" for page, label in pages.items()]
+        source[0] += _toctree(name, entries)
 
 
 def _linked(text: str, folder: str) -> Iterator[tuple[str, dict[str, str]]]:
