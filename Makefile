@@ -27,7 +27,7 @@ ifeq ($(realpath $(bin)/python),)
 $(stamp): FORCE
 endif
 
-.PHONY: help env demo test lint bare format lock clean FORCE
+.PHONY: help env demo test lint bare docs format lock clean FORCE
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-8s %s\n", $$1, $$2 }' Makefile
@@ -64,6 +64,12 @@ bare: $(stamp)  ## install without extras, elsewhere, and run a model there
 	@cd .cache && bare/bin/python -W error -I ../tools/run_model.py bare/model.npz
 	@test "$$($(bin)/uv pip list --quiet --python .cache/bare/bin/python --format freeze | wc -l)" = 2
 	@echo "a reduced model ran beside NumPy alone"
+
+docs: $(stamp)  ## the pages and the API as a site in docs/_build
+	@rm -rf docs/_build
+	@$(bin)/python -m sphinx --quiet --fail-on-warning --keep-going --conf-dir docs/sphinx \
+	    --builder html . docs/_build
+	@echo "The pages: $(CURDIR)/docs/_build/docs/index.html"
 
 format: $(stamp)  ## let ruff lay out and sort
 	@$(bin)/ruff check --fix-only --quiet .
