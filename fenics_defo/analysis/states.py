@@ -131,7 +131,7 @@ class Motion:
         reports: (k) of them.
         energy_error: largest error of the energy balance over all energy put in [-], see
             `Simulation.energy_error`; None for equilibria.
-        energy_gain: the same of what was gained; above 1 would be a runaway [-].
+        energy_gain: the same of what was gained [-].
     """
 
     times: Array

@@ -31,6 +31,11 @@ class CentralDifferences:
         return 0.5
 
     @property
+    def keeps_energy(self) -> bool:
+        """Yes."""
+        return True
+
+    @property
     def hidden_energy(self) -> float:
         """None that is positive: ½ vᵀ M v falls short by h²/8 aᵀ M a."""
         return 0.0

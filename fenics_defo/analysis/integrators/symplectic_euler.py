@@ -32,6 +32,11 @@ class SymplecticEuler:
         return 0.5
 
     @property
+    def keeps_energy(self) -> bool:
+        """Yes."""
+        return True
+
+    @property
     def hidden_energy(self) -> float:
         """None of this form."""
         return 0.0
