@@ -15,6 +15,7 @@ from fenics_defo.analysis import (
     Initial,
     Prescribed,
     Simulation,
+    Step,
     Traction,
     simulate,
     static_equilibrium,
@@ -43,13 +44,13 @@ def mirrored(solid):
 def test_an_energy_that_is_no_number_is_no_equilibrium():
     """Crushed to half of its height, mirrored: the law has no such state."""
     solid = cube(OWN)
-    with pytest.raises(DivergenceError, match="finite energy"):
+    with pytest.raises(DivergenceError, match="finite forces and energy"):
         static_equilibrium(
             solid,
             [],
             prescribed=[Prescribed("z==1", (0.0, 0.0, -1.5))],
-            load_steps=2,
-            max_halvings=2,
+            max_halvings=1,
+            max_iterations=10,
         )
 
 
@@ -99,7 +100,6 @@ def test_a_body_that_is_inside_out_finds_back(law):
         step=0.5 * PERIOD,
         duration=20.0 * PERIOD,
         newton=None,
-        damping=(2.0 / PERIOD, 0.0),
         initial=mirrored(solid),
     )
     assert motion.energies.strain[0] > 1e4
@@ -112,7 +112,7 @@ def test_strong_stiffness_damping_costs_no_more_iterations(integrator):
     """β a hundred periods long: without β K'(u) v in the matrix up to twelve were needed."""
     motion = simulate(
         bar(STVK),
-        [Gravity((0.0, 0.0, -5.0))],
+        [Gravity((0.0, 0.0, -2.0))],
         integrator,
         step=0.05,
         duration=0.5,
@@ -180,7 +180,7 @@ def test_an_indefinite_tangent_on_the_way_says_nothing_of_the_end():
 
 def test_messages_name_quantities_not_arguments():
     """The same sentences come from scene files, which know no ``newton=None``."""
-    crush = [Prescribed("z==1", (0.0, 0.0, -1.5))]
+    crush = [Prescribed("z==1", (0.0, 0.0, -1.5), Step(0.5))]
     with pytest.raises(DivergenceError) as still:
         static_equilibrium(cube(NEO), [], prescribed=crush, max_halvings=0, max_iterations=3)
     with pytest.raises(DivergenceError) as moving:
