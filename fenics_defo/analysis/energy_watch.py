@@ -19,7 +19,7 @@ _RUNAWAY = 1.0
 _NOTABLE = 0.1
 # Steps between two looks: the strain energy costs about as much as the forces.
 _EVERY = 8
-_EVERY_EXPLICIT = 64
+_EVERY_EXPLICIT = 256
 # How much of the work of a single step may be an error.
 _ROUGH = 4.0
 # Energy that counts as none, over that of a body stretched to twice its size: strains of 1e-12.

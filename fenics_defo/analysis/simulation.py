@@ -211,7 +211,8 @@ class Simulation:
     def is_definite(self) -> bool | None:
         """Whether the tangent of the loads and forces at the last good state is positive definite.
 
-        None if the linear solver cannot tell; collective, factorises it.
+        None if the linear solver cannot tell, or a law's tangent is "definite" or "approximate";
+        collective, factorises it.
         """
         return self._system.is_definite(self._now)
 
@@ -363,8 +364,8 @@ class Simulation:
         self._before = system.forces(start)
         reached = self.integrator.advance(system, start, length)
         after = system.forces(reached)
-        forces = after.internal + after.damping if system.is_damped else after.internal
-        if not system.is_finite(forces):
+        finite = system.is_finite(after.internal)
+        if not (finite and (not system.is_damped or system.is_finite(after.damping))):
             raise StepFailure("the forces became infinite or no number", system.residuals)
         looks = not self.integrator.explicit or self._since_origin % _ENERGY_EVERY == 0
         if looks and not system.has_energy(reached.displacement):

@@ -49,7 +49,10 @@ class Work:
 
     def _along(self, change: Array, before: Array, after: Array) -> float:
         w = self._end_weight
-        return self._system.product(change, w * after + (1.0 - w) * before)
+        own = w * float(np.vdot(change, after))
+        if w < 1.0:
+            own += (1.0 - w) * float(np.vdot(change, before))
+        return float(self._system.comm.allreduce(own))
 
     def add_blow(self, momentum: Array, before: Array, after: Array) -> None:
         """Count an impulse (owned nodes, 3) [N s] by the velocities before and after it."""

@@ -19,7 +19,7 @@ def test_newtons_own_length_is_taken_where_it_is_good():
     assert tried == [1.0]
 
 
-@pytest.mark.parametrize("minimum", [0.02, 0.3, 1.0, 2.7, 11.0])
+@pytest.mark.parametrize("minimum", [0.02, 0.3, 1.0, 2.7, 3.9])
 def test_the_slope_falls_on_either_side_of_a_minimum(minimum):
     """A quartic about its minimum, from far below Newton's length to far above it."""
     length = flatter(-(minimum**3), lambda x: (x - minimum) ** 3)
@@ -33,7 +33,7 @@ def test_infinity_is_kept_away_from(nothing):
 
 
 def test_no_end_is_gone_to_as_far_as_allowed():
-    assert flatter(-1.0, lambda _: -2.0) == 16.0
+    assert flatter(-1.0, lambda _: -2.0) == 4.0
 
 
 def test_only_uphill_is_no_length():
