@@ -4,7 +4,7 @@ Each cell runs in another process, with a limit of time, so that a hang or a cra
 
     python workflows/stability.py --output docs            # docs/stability.md and docs/stability/
     python workflows/stability.py --quick                  # a reduced map on the terminal
-    python workflows/stability.py --only "Spin"            # the cells whose names hold a word
+    python workflows/stability.py --only Spin --only Recovery      # some of the cells
 
 It ends with status 1 if any cell hangs, crashes, gives a silent NaN or a wrong answer called right.
 """
@@ -14,6 +14,7 @@ import contextlib
 import os
 import platform
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -39,7 +40,13 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--output", type=Path, help="folder for stability.md and stability/*.png")
     parser.add_argument("--quick", action="store_true", help="a reduced map, within half a minute")
-    parser.add_argument("--only", default="", metavar="WORD", help="cells whose names hold this")
+    parser.add_argument(
+        "--only",
+        action="append",
+        default=[],
+        metavar="WORD",
+        help="cells whose names hold this; may be given again for others",
+    )
     parser.add_argument("--jobs", type=int, default=1, help="processes at a time")
     options = parser.parse_args(argv)
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # of the processes to come
@@ -54,10 +61,15 @@ def main(argv: list[str] | None = None) -> int:
     return 1 if report.findings(cells) else 0
 
 
-def all_cases(*, quick: bool, only: str = "") -> list[Case]:
-    """The cells of all sweeps whose names hold a word."""
+def all_cases(*, quick: bool, only: Sequence[str] = ()) -> list[Case]:
+    """The cells of all sweeps whose names hold one of some words, if there are any."""
     cases = [case for sweep in SWEEPS for case in sweep.cases(quick=quick)]
-    return [case for case in cases if only in f"{case.sweep}; {case.row}; {case.column}"]
+    if not only:
+        return cases
+    names = [f"{case.sweep}; {case.row}; {case.column}" for case in cases]
+    return [
+        case for case, name in zip(cases, names, strict=True) if any(word in name for word in only)
+    ]
 
 
 def compute(cases: list[Case], *, jobs: int = 1) -> list[Cell]:

@@ -51,6 +51,7 @@ class AppliedLoads:
         self._solid = solid
         self._shape = (solid.nodes.owned, 3)
         self._dead: list[_Dead] = []
+        self._known: tuple[tuple[float, ...], Array] | None = None
         self._pressures: list[tuple[Pressure, PressureForm]] = []
         #: Impulses and their nodal momenta (owned nodes, 3) [N s].
         self.impulses: list[tuple[Impulse, Array]] = []
@@ -82,16 +83,24 @@ class AppliedLoads:
             time: [s].
             local: displacement (d, 3) [m] of this rank's nodes, ghosts included.
         """
-        total = np.zeros(self._shape)
-        for dead in self._dead:
-            amount = factor(dead.history, time)
-            if amount != 0.0:
-                total += amount * dead.force
+        total = self._dead_force(time)
         for load, form in self._pressures:
             amount = load.value * factor(load.history, time)
             if amount != 0.0:
-                total += form.force(local, amount)[: self._shape[0]]
+                total = total + form.force(local, amount)[: self._shape[0]]
         return total
+
+    def _dead_force(self, time: float) -> Array:
+        """Sum of the forces that do not follow; made again only when a factor has changed."""
+        amounts = tuple(factor(dead.history, time) for dead in self._dead)
+        if self._known is None or self._known[0] != amounts:
+            total = np.zeros(self._shape)
+            for amount, dead in zip(amounts, self._dead, strict=True):
+                if amount != 0.0:
+                    total += amount * dead.force
+            total.setflags(write=False)
+            self._known = (amounts, total)
+        return self._known[1]
 
     def add_tangent(
         self, matrix: PETSc.Mat, time: float, local: Array, *, factor_of_all: float, symmetric: bool

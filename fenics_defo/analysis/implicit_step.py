@@ -175,6 +175,8 @@ class ImplicitStep:
                 raise StepFailure("the residual grew without bound or is no number")
         if newton.iterations is None and not self._is_solved(u, balance):
             raise StepFailure(f"Newton's method did not converge in {most} iterations")
+        if self._to_come:
+            raise StepFailure("what is prescribed leads to infinite forces or energy")
         return self._end(u, balance)
 
     def _balance(self, u: Array) -> _Balance:

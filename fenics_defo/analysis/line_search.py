@@ -8,7 +8,7 @@ _TRIALS = 14
 # The slope along a search direction must fall to this part of what it was, to either side.
 _FLAT = 0.7
 # Farthest that a search goes, in directions.
-_FARTHEST = 16.0
+_FARTHEST = 4.0
 
 
 def flatter(slope: float, slope_at: Callable[[float], float]) -> float | None:

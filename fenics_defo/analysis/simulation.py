@@ -17,6 +17,7 @@ from fenics_defo.analysis.loads import Load
 from fenics_defo.analysis.phases import Phases
 from fenics_defo.analysis.prescribed import Prescribed
 from fenics_defo.analysis.probes import Probes
+from fenics_defo.analysis.readings import energies_of, fields_of, momenta_of, reactions_of
 from fenics_defo.analysis.requests import check_request
 from fenics_defo.analysis.states import Energies, State, StepReport, Substep
 from fenics_defo.analysis.step_limit import StepLimit
@@ -170,7 +171,7 @@ class Simulation:
 
     @property
     def energy_gain(self) -> float | None:
-        """As `energy_error`, of what was gained: above 1 the motion has run away; collective."""
+        """As `energy_error`, of what was gained, even if damping took it again; collective."""
         return None if self.energy_error is None or self._watch is None else self._watch.gain
 
     def check_energy(self) -> None:
@@ -193,26 +194,25 @@ class Simulation:
             return None
         if self._watch is None:
             self._watch = EnergyWatch(
-                self._system, self.integrator, self.step, self._now, self._energies_now()
+                self._system,
+                self.integrator,
+                step=self.step,
+                start=self._now,
+                energies=self._energies_now(),
+                work=self._work,
             )
         return self._watch
 
     def _energies_now(self) -> Energies:
-        system, now = self._system, self._now
-        if self._energies is None or self._energies[0] is not now:
-            energies = Energies(
-                kinetic=0.5 * system.product(now.velocity, system.mass.apply(now.velocity)),
-                strain=system.strain_energy(now.displacement),
-                external=self._work.external,
-                dissipated=self._work.dissipated,
-            )
-            self._energies = (now, energies)
+        if self._energies is None or self._energies[0] is not self._now:
+            self._energies = (self._now, energies_of(self._system, self._now, self._work))
         return self._energies[1]
 
     def is_definite(self) -> bool | None:
         """Whether the tangent of the loads and forces at the last good state is positive definite.
 
-        None if the linear solver cannot tell; collective, factorises it.
+        None if the linear solver cannot tell, or a law's tangent is "definite" or "approximate";
+        collective, factorises it.
         """
         return self._system.is_definite(self._now)
 
@@ -234,23 +234,14 @@ class Simulation:
 
         The mass is the integrator's, consistent or lumped.
         """
-        nodes, now = self.solid.nodes, self._now
-        momenta = self._system.mass.apply(now.velocity)
-        places = nodes.points[nodes.rows[: nodes.owned]] + now.displacement
-        own = np.array([momenta.sum(axis=0), np.cross(places, momenta).sum(axis=0)])
-        linear, angular = self.solid.comm.allreduce(own)
-        return linear, angular
+        return momenta_of(self._system, self._now)
 
     def reactions(self) -> Array:
         """Forces (n, 3) [N] of supports and of what prescribes motions upon the body; collective.
 
         M a + C v + f - g at components that are not free; zero at others.
         """
-        system, now = self._system, self._now
-        forces = system.forces(now)
-        balance = system.mass.apply(now.acceleration) + forces.damping
-        balance += forces.internal - forces.external
-        return self.solid.nodes.gather_own(np.where(system.free, 0.0, balance))
+        return reactions_of(self._system, self._now)
 
     def advance(self) -> StepReport:
         """Do one step.
@@ -305,15 +296,7 @@ class Simulation:
         Raises:
             LoadError: arrays of another shape, or not finite.
         """
-        fields = []
-        for name in ("displacement", "velocity", "acceleration"):
-            values = np.asarray(getattr(state, name), dtype=np.float64)
-            if values.shape != (self.solid.nodes.size, 3) or not np.isfinite(values).all():
-                raise LoadError(
-                    f"the {name} of a state of this body must be finite numbers of the shape "
-                    f"({self.solid.nodes.size}, 3), got an array of the shape {values.shape}"
-                )
-            fields.append(self._own(values))
+        fields = [self._own(field) for field in fields_of(state, self.solid.nodes.size)]
         self._now = Instant(float(state.time), *fields)
         self._steps, self._origin, self._since_origin = state.step, float(state.time), 0
         if math.isclose(state.time, state.step * self.step, rel_tol=1e-12):
@@ -372,6 +355,8 @@ class Simulation:
             start = Instant(start.time, start.displacement, after, start.acceleration)
             if any(system.settings.damping) and not isinstance(self.integrator, QuasiStatic):
                 start = system.free_acceleration(start)
+                if self._watch is not None:
+                    self._watch.add_hidden(start)
         return start
 
     def _substep(self, start: Instant, length: float) -> Instant:
@@ -379,8 +364,8 @@ class Simulation:
         self._before = system.forces(start)
         reached = self.integrator.advance(system, start, length)
         after = system.forces(reached)
-        forces = after.internal + after.damping if system.is_damped else after.internal
-        if not system.is_finite(forces):
+        finite = system.is_finite(after.internal)
+        if not (finite and (not system.is_damped or system.is_finite(after.damping))):
             raise StepFailure("the forces became infinite or no number", system.residuals)
         looks = not self.integrator.explicit or self._since_origin % _ENERGY_EVERY == 0
         if looks and not system.has_energy(reached.displacement):

@@ -131,7 +131,7 @@ class Motion:
         reports: (k) of them.
         energy_error: largest error of the energy balance over all energy put in [-], see
             `Simulation.energy_error`; None for equilibria.
-        energy_gain: the same of what was gained; above 1 would be a runaway [-].
+        energy_gain: the same of what was gained [-].
     """
 
     times: Array
@@ -155,7 +155,8 @@ class Equilibrium:
         residuals: relative residuals of Newton's iterations, one tuple a load factor.
         iterations: linear solves in all.
         definite: whether its tangent K - dg/du is positive definite, as that of a stable
-            equilibrium is; None if the solver cannot tell.
+            equilibrium is; None if the solver cannot tell, or a law's tangent is not its own
+            ("definite" or "approximate").
         inverted_cells: number of cells that are inside out at one of their corners at least.
     """
 

@@ -172,7 +172,11 @@ class System:
     def mass_damping(self, velocity: Array) -> Array:
         """α M v."""
         alpha = self.settings.damping[0]
-        return alpha * self.mass.apply(velocity) if alpha else self.zero
+        if not alpha:
+            return self.zero
+        damping = self.mass.apply(velocity)
+        damping *= alpha
+        return damping
 
     def linearise(self, displacement: Array) -> Array:
         """Internal force f(u), with the tangent filled there; laws at points give both at once."""
@@ -231,13 +235,18 @@ class System:
         internal, external = self.internal_force(u), self.external_force(instant.time, u)
         damping = self.zero
         if self.is_damped:
-            damping = self.mass_damping(v) + self.stiffness_damping(u, v)
+            damping = self.mass_damping(v)
+            if self.settings.damping[1]:
+                damping = damping + self.stiffness_damping(u, v)
         return self.remember(instant, internal, external, damping)
 
     def is_definite(self, instant: Instant) -> bool | None:
-        """Whether K - dg/du at an instant is positive definite; None if the solver cannot tell."""
+        """Whether K - dg/du at an instant is positive definite.
+
+        None if the solver cannot tell, or some law puts another matrix in the place of K.
+        """
         tangents = self.tangents
-        if not tangents.can_tell:
+        if not (tangents.can_tell and self._is_exact):
             return None
         self.linearise(instant.displacement)
         local = self.local(instant.displacement)
@@ -284,8 +293,10 @@ class System:
             force -= self.stiffness_damping(displacement, velocity)
         acceleration = self.mass.solve(force, self.free)
         if alpha:
-            acceleration -= np.where(self.free, alpha * velocity, 0.0)
-            acceleration /= 1.0 + alpha * lag
+            slowing = (-alpha) * velocity
+            slowing *= self.free
+            acceleration += slowing
+            acceleration *= 1.0 / (1.0 + alpha * lag)
         return acceleration
 
     def free_acceleration(self, instant: Instant) -> Instant:
@@ -314,7 +325,9 @@ class System:
         if self.constraints.moving:
             at = self.constraints.prescribed
             velocity[at], acceleration[at] = self.constraints.rates(time, step)
-        squares = float(np.vdot(displacement, displacement) + np.vdot(velocity, velocity))
+        squares = float(np.vdot(velocity, velocity))
+        if not self.settings.explicit:  # those of explicit methods come from the velocities
+            squares += float(np.vdot(displacement, displacement))
         if not np.isfinite(self.comm.allreduce(squares)):
             raise StepFailure("the displacements or velocities became infinite or no number")
         return Instant(time, displacement, velocity, acceleration)

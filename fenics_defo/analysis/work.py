@@ -33,21 +33,31 @@ class Work:
         self.external = 0.0
         #: Energy that damping took [J].
         self.dissipated = 0.0
+        #: Largest work of one step or blow so far [J].
+        self.largest = 0.0
 
     def add_step(self, start: Instant, end: Instant, before: Forces, after: Forces) -> None:
         """Count a step that was done, with the forces at its start and its end."""
         system = self._system
         change = end.displacement - start.displacement
-        self.external += self._along(change, before.external, after.external)
+        work = self._along(change, before.external, after.external)
         if system.constraints.moving:
-            self.external += self._along(change, before.reaction, after.reaction)
+            work += self._along(change, before.reaction, after.reaction)
+        self._count(work)
         if system.is_damped:
             self.dissipated += self._along(change, before.damping, after.damping)
 
     def _along(self, change: Array, before: Array, after: Array) -> float:
         w = self._end_weight
-        return self._system.product(change, w * after + (1.0 - w) * before)
+        own = w * float(np.vdot(change, after))
+        if w < 1.0:
+            own += (1.0 - w) * float(np.vdot(change, before))
+        return float(self._system.comm.allreduce(own))
 
     def add_blow(self, momentum: Array, before: Array, after: Array) -> None:
         """Count an impulse (owned nodes, 3) [N s] by the velocities before and after it."""
-        self.external += 0.5 * self._system.product(momentum, before + after)
+        self._count(0.5 * self._system.product(momentum, before + after))
+
+    def _count(self, work: float) -> None:
+        self.external += work
+        self.largest = max(self.largest, abs(work))

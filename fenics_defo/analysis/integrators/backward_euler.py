@@ -32,6 +32,11 @@ class BackwardEuler:
         return 1.0
 
     @property
+    def keeps_energy(self) -> bool:
+        """No."""
+        return False
+
+    @property
     def hidden_energy(self) -> float:
         """None: it takes energy."""
         return 0.0

@@ -31,6 +31,11 @@ class CentralDifferences:
         return 0.5
 
     @property
+    def keeps_energy(self) -> bool:
+        """Yes."""
+        return True
+
+    @property
     def hidden_energy(self) -> float:
         """None that is positive: ½ vᵀ M v falls short by h²/8 aᵀ M a."""
         return 0.0
@@ -42,9 +47,14 @@ class CentralDifferences:
     def advance(self, system: "System", start: Instant, step: float) -> Instant:
         """The motion ``step`` [s] after ``start``; collective."""
         time = start.time + step
-        half = start.velocity + (0.5 * step) * start.acceleration
-        u = system.with_prescribed(time, start.displacement + step * half)
+        half = (0.5 * step) * start.acceleration
+        half += start.velocity
+        u = step * half
+        u += start.displacement
+        u = system.with_prescribed(time, u)
         # The mass part of the damping takes the velocity at the end itself: it stays of second
         # order and does not lower the limit.
         a = system.explicit_acceleration(time, u, half, lag=0.5 * step)
-        return system.instant(time, step, u, half + (0.5 * step) * a, a)
+        v = (0.5 * step) * a
+        v += half
+        return system.instant(time, step, u, v, a)

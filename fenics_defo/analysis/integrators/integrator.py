@@ -25,6 +25,10 @@ class Integrator(Protocol):
         """Weight in the work of a step of the forces at its end; 1 minus it, at its start."""
 
     @property
+    def keeps_energy(self) -> bool:
+        """Whether the method itself takes no energy from a vibration."""
+
+    @property
     def hidden_energy(self) -> float:
         """Largest c with which the method keeps T + U + c h²/2 a·M a of a linear body; 0 if none.
 

@@ -51,6 +51,11 @@ class ImplicitNewmark:
         return 0.5
 
     @property
+    def keeps_energy(self) -> bool:
+        """Where γ = ½."""
+        return self.gamma == 0.5
+
+    @property
     def hidden_energy(self) -> float:
         """β - γ/2: nothing for the average acceleration (Hughes 2000, section 9.4)."""
         return max(self.beta - 0.5 * self.gamma, 0.0)

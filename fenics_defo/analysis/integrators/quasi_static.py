@@ -30,6 +30,11 @@ class QuasiStatic:
         return 0.5
 
     @property
+    def keeps_energy(self) -> bool:
+        """No."""
+        return False
+
+    @property
     def hidden_energy(self) -> float:
         """None."""
         return 0.0

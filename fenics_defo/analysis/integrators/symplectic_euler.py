@@ -32,6 +32,11 @@ class SymplecticEuler:
         return 0.5
 
     @property
+    def keeps_energy(self) -> bool:
+        """Yes."""
+        return True
+
+    @property
     def hidden_energy(self) -> float:
         """None of this form."""
         return 0.0
@@ -44,6 +49,8 @@ class SymplecticEuler:
         """The motion ``step`` [s] after ``start``; collective."""
         time, u, v = start.time + step, start.displacement, start.velocity
         a = system.explicit_acceleration(start.time, u, v, lag=step)
-        v = v + step * a
-        u = system.with_prescribed(time, u + step * v)
-        return system.instant(time, step, u, v, a)
+        faster = step * a
+        faster += v
+        ahead = step * faster
+        ahead += u
+        return system.instant(time, step, system.with_prescribed(time, ahead), faster, a)
