@@ -25,13 +25,30 @@ if TYPE_CHECKING:
     from fenics_defo.scene.records import Scene
     from fenics_defo.scene.reducing import reduce_scene
     from fenics_defo.scene.running import simulate
+    from fenics_defo.scene.trade.driver import tradeoff
+    from fenics_defo.scene.trade.ladder import Extent
+    from fenics_defo.scene.trade.observer import Observer
+    from fenics_defo.scene.trade.records import (
+        Candidate,
+        Measurement,
+        ModelSpec,
+        Reference,
+        Tradeoff,
+    )
     from fenics_defo.scene.watching import Watcher
 
 _HOME = {
     "Cadence": "cadence",
+    "Candidate": "trade.records",
     "Checkpoint": "checkpoint",
+    "Extent": "trade.ladder",
+    "Measurement": "trade.records",
+    "ModelSpec": "trade.records",
+    "Observer": "trade.observer",
     "Recipe": "recipe",
+    "Reference": "trade.records",
     "Scene": "records",
+    "Tradeoff": "trade.records",
     "Watcher": "watching",
     "build_initial": "building",
     "build_integrator": "building",
@@ -45,13 +62,21 @@ _HOME = {
     "read_scene": "reading",
     "reduce_scene": "reducing",
     "simulate": "running",
+    "tradeoff": "trade.driver",
 }
 
 __all__ = [
     "Cadence",
+    "Candidate",
     "Checkpoint",
+    "Extent",
+    "Measurement",
+    "ModelSpec",
+    "Observer",
     "Recipe",
+    "Reference",
     "Scene",
+    "Tradeoff",
     "Watcher",
     "build_initial",
     "build_integrator",
@@ -65,6 +90,7 @@ __all__ = [
     "read_scene",
     "reduce_scene",
     "simulate",
+    "tradeoff",
 ]
 
 

@@ -1,0 +1,134 @@
+"""The choice among measured candidates: the cheapest that is good enough."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fenics_defo.scene.trade.records import FULL, MEASURED, Measurement
+
+_MISSES = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What is required.
+
+    Args:
+        tolerance: largest error [-].
+        rate: steps a second [Hz]; None: any.
+        step: of the scene [s].
+    """
+
+    tolerance: float
+    rate: float | None
+    step: float
+
+    def allows_error(self, row: Measurement) -> bool:
+        """Whether a candidate is accurate enough."""
+        return row.error is not None and row.error <= self.tolerance
+
+    def allows_cost(self, row: Measurement) -> bool:
+        """Whether a candidate is fast enough, and its states come as often as asked for."""
+        if self.rate is None:
+            return True
+        often = row.candidate.step <= max(1.0 / self.rate, self.step) * (1.0 + 1e-9)
+        return often and row.microseconds is not None and row.microseconds <= 1e6 / self.rate
+
+    def excess(self, row: Measurement) -> float:
+        """By which factor a measured candidate misses the worse of the two limits."""
+        assert row.error is not None
+        assert row.microseconds is not None
+        late = 0.0 if self.rate is None else row.microseconds * self.rate / 1e6
+        return max(row.error / self.tolerance, late)
+
+
+def in_order(rows: Sequence[Measurement]) -> tuple[Measurement, ...]:
+    """Measured candidates from the cheapest on, then the others as they came."""
+    measured = [row for row in rows if row.status == MEASURED]
+    others = [row for row in rows if row.status != MEASURED]
+    return (*sorted(measured, key=lambda row: row.cost or 0.0), *others)
+
+
+def pareto_front(rows: Sequence[Measurement]) -> tuple[int, ...]:
+    """Numbers of the rows that no other beats in both error and cost, cheapest first."""
+    front, least = [], float("inf")
+    for number, row in enumerate(rows):  # they are in the order of their cost
+        if row.status == MEASURED and row.error is not None and row.error < least:
+            front.append(number)
+            least = row.error
+    return tuple(front)
+
+
+def choose(rows: Sequence[Measurement], limits: Limits) -> tuple[int | None, tuple[int, ...], str]:
+    """The number of the chosen row, those of the nearest misses, and the reason.
+
+    Only models are chosen: a run of the whole body is there to be compared with.
+
+    Args:
+        rows: from the cheapest on.
+        limits: what is required.
+    """
+    models = [
+        (number, row)
+        for number, row in enumerate(rows)
+        if row.status == MEASURED and row.candidate.kind != FULL and row.error is not None
+    ]
+    good = [n for n, row in models if limits.allows_error(row) and limits.allows_cost(row)]
+    if good:
+        return good[0], (), _because(rows, good[0], models, limits)
+    nearest = sorted(models, key=lambda pair: limits.excess(pair[1]))[:_MISSES]
+    return None, tuple(number for number, _ in nearest), _why_none(nearest, limits)
+
+
+def _because(
+    rows: Sequence[Measurement],
+    choice: int,
+    models: list[tuple[int, Measurement]],
+    limits: Limits,
+) -> str:
+    row = rows[choice]
+    cheaper = [r for n, r in models if n < choice]
+    text = (
+        f"the cheapest of {len(models)} measured models within {percent(limits.tolerance)}: its "
+        f"error is {percent(row.error)}, a step takes {duration(row.microseconds)}"
+    )
+    if cheaper:
+        best = min(cheaper, key=lambda r: r.error or 0.0)
+        text += f"; the best of the {len(cheaper)} cheaper ones is off by {percent(best.error)}"
+    full = [r for r in rows if r.candidate.kind == FULL and not r.candidate.law and r.cost]
+    if full and row.cost and full[0].cost:
+        text += f"; the whole body takes {full[0].cost / row.cost:,.0f} times as long"
+    return text
+
+
+def _why_none(nearest: list[tuple[int, Measurement]], limits: Limits) -> str:
+    asked = f"an error of at most {percent(limits.tolerance)}"
+    if limits.rate is not None:
+        asked += f" at {limits.rate:g} steps a second"
+    if not nearest:
+        return f"no model could be measured, and {asked} was asked for"
+    told = "; ".join(
+        f"{row.candidate.name}, step {step_text(row)}: {percent(row.error)} in "
+        f"{duration(row.microseconds)} a step"
+        for _, row in nearest
+    )
+    return f"no model has {asked}; nearest: {told}"
+
+
+def step_text(row: Measurement) -> str:
+    """A candidate's step, as text."""
+    return f"{row.candidate.step:.4g} s"
+
+
+def percent(value: float | None) -> str:
+    """A part of one as text."""
+    return "-" if value is None else f"{100.0 * value:.3g} %"
+
+
+def duration(microseconds: float | None) -> str:
+    """A time as text."""
+    if microseconds is None:
+        return "-"
+    for limit, unit in ((1e3, "µs"), (1e6, "ms")):
+        if microseconds < limit:
+            return f"{microseconds * 1e3 / limit:.3g} {unit}"
+    return f"{microseconds / 1e6:.3g} s"
