@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -161,7 +162,7 @@ class Bench:
         self._progress.tell(f"make {spec.name}")
         model: ReducedModel | None = None
         try:
-            costs = {"best_error": self._best_error(spec)}
+            costs: dict[str, Any] = {"best_error": self._best_error(spec)}
             why = self._why_not(spec, tolerance, costs["best_error"])
             if why:
                 self._progress.done(len(candidates))

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from fenics_defo.scene.trade.records import FULL, MEASURED, Measurement
 
 _MISSES = 3
+# Costs that differ by no more than this part count as equal: clocks are no better.
+_SAME = 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,9 +76,15 @@ def choose(rows: Sequence[Measurement], limits: Limits) -> tuple[int | None, tup
     ]
     good = [n for n, row in models if limits.allows_error(row) and limits.allows_cost(row)]
     if good:
-        return good[0], (), _because(rows, good[0], models, limits)
+        near = [n for n in good if _cost(rows[n]) <= (1.0 + _SAME) * _cost(rows[good[0]])]
+        choice = min(near, key=lambda n: rows[n].error or 0.0)
+        return choice, (), _because(rows, choice, models, limits)
     nearest = sorted(models, key=lambda pair: limits.excess(pair[1]))[:_MISSES]
     return None, tuple(number for number, _ in nearest), _why_none(nearest, limits)
+
+
+def _cost(row: Measurement) -> float:
+    return float("inf") if row.cost is None else row.cost
 
 
 def _because(
@@ -86,7 +94,7 @@ def _because(
     limits: Limits,
 ) -> str:
     row = rows[choice]
-    cheaper = [r for n, r in models if n < choice]
+    cheaper = [r for _, r in models if (1.0 + _SAME) * _cost(r) < _cost(row)]
     text = (
         f"the cheapest of {len(models)} measured models within {percent(limits.tolerance)}: its "
         f"error is {percent(row.error)}, a step takes {duration(row.microseconds)}"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.analysis import Energies, Simulation
 from fenics_defo.analysis.states import State
-from fenics_defo.energy import Corotational, LinearElastic, linear_moduli
+from fenics_defo.energy import Corotational, LinearElastic, Material, PointLaw
 from fenics_defo.fem import Solid
 from fenics_defo.scene.building import build_simulation, build_solid
 from fenics_defo.scene.records import Scene
@@ -98,7 +98,8 @@ def with_law(scene: Scene, solid: Solid, law: str) -> tuple[Scene, Solid]:
     materials = scene.materials or solid.record.materials
     other: dict[Any, Any] = {}
     for region, material in materials.items():
-        young, poisson = linear_moduli(material)
+        assert isinstance(material, Material | PointLaw)  # it is isotropic at rest
+        young, poisson = material.linearised()
         other[region] = _LAWS[law](young=young, poisson=poisson, density=material.density)
     changed = replace(scene, materials=other)
     return changed, build_solid(changed)

@@ -125,7 +125,7 @@ def _followed(
     )
 
 
-def _times(candidate: Candidate, seconds: Array) -> dict[str, float]:
+def _times(candidate: Candidate, seconds: Array) -> dict[str, Any]:
     median, late = (1e6 * float(np.percentile(seconds, p)) for p in (50, 99))
     return {
         "microseconds": median,

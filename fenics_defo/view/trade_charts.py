@@ -1,0 +1,209 @@
+"""Charts of a trade-off: error against cost, and error over time."""
+
+import io
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from fenics_defo.runtime import atomic_path
+from fenics_defo.scene.trade.records import FILTER, FULL, MEASURED, Measurement, Tradeoff
+
+# Colours that people who confuse red and green tell apart: Okabe and Ito (2008).
+_BLACK, _ORANGE, _SKY, _GREEN = "#333333", "#e69f00", "#56b4e9", "#009e73"
+_BLUE, _RED, _PURPLE, _GREY = "#0072b2", "#d55e00", "#cc79a7", "#999999"
+_FAMILIES = {
+    "exact filter": _SKY,
+    "linear": _BLUE,
+    "cubic": _GREEN,
+    "taylor": _ORANGE,
+    "cubature": _PURPLE,
+    "full order": _BLACK,
+}
+_BASES = {"linear": "o", "modal-derivatives": "^", "snapshots": "s", "": "D"}
+_BASE_NAMES = {
+    "linear": "modes",
+    "modal-derivatives": "modal derivatives",
+    "snapshots": "training motion",
+}
+_MOST_CURVES = 7
+_LEAST = 1e-9  # errors below are drawn there
+
+
+def chart_png(found: Tradeoff) -> bytes:
+    """Error against time a step of all measured candidates, as PNG.
+
+    Args:
+        found: the trade-off.
+    """
+    figure = Figure(figsize=(9.0, 5.6), layout="constrained")
+    axes = figure.add_subplot()
+    rows = [row for row in found.rows if row.status == MEASURED]
+    _limits(axes, found, rows)
+    for row in rows:
+        is_tried = row.candidate.factor == 1
+        axes.plot(
+            row.cost or 0.0,
+            _error(row),
+            marker=_BASES["" if row.candidate.model is None else row.candidate.model.basis],
+            color=_FAMILIES[family(row)],
+            markersize=8 if is_tried else 5,
+            alpha=0.9 if is_tried else 0.55,
+            markeredgecolor="white",
+            markeredgewidth=0.7,
+            linestyle="none",
+            zorder=3,
+        )
+    _front(axes, found)
+    _choice(axes, found)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.margins(0.12)
+    axes.set_xlabel(f"time for one step of the scene, {found.step:g} s of motion [µs]")
+    axes.set_ylabel("largest error of displacements over the motion [-]")
+    axes.set_title(f"{Path(found.scene).name}: what accuracy costs", loc="left", fontsize=12)
+    axes.grid(visible=True, which="major", alpha=0.25)
+    _legend(axes, rows)
+    return _png(figure)
+
+
+def history_png(found: Tradeoff) -> bytes:
+    """Error over time of the candidates on the front, as PNG.
+
+    Args:
+        found: the trade-off.
+    """
+    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    axes = figure.add_subplot()
+    for number in _curves(found):
+        row = found.rows[number]
+        is_chosen = number == found.choice
+        axes.plot(
+            np.array(found.reference.times)[: len(row.errors)],
+            np.maximum(row.errors, _LEAST),
+            color=_RED if is_chosen else None,
+            linewidth=2.4 if is_chosen else 1.2,
+            label=f"{row.candidate.name}, step {row.candidate.step:.3g} s"
+            + (" (chosen)" if is_chosen else ""),
+        )
+    axes.axhline(found.tolerance, color=_RED, linestyle="--", linewidth=1.0)
+    axes.set_yscale("log")
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("error of displacements [-]")
+    axes.set_title("error over time on the front", loc="left", fontsize=12)
+    axes.grid(visible=True, alpha=0.25)
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    return _png(figure)
+
+
+def write_picture(png: bytes, path: Path) -> None:
+    """Write a picture, all or nothing.
+
+    Args:
+        png: its bytes.
+        path: file.
+    """
+    with atomic_path(path) as name:
+        name.write_bytes(png)
+
+
+def family(row: Measurement) -> str:
+    """What candidates of one colour have in common."""
+    candidate = row.candidate
+    if candidate.kind == FULL:
+        return "full order"
+    if candidate.kind == FILTER:
+        return "exact filter"
+    assert candidate.model is not None
+    return candidate.model.force
+
+
+def _error(row: Measurement) -> float:
+    return max(row.error or 0.0, _LEAST)
+
+
+def _limits(axes: Any, found: Tradeoff, rows: list[Measurement]) -> None:
+    told = f"tolerance {100 * found.tolerance:g} %" + (" (default)" if found.is_default else "")
+    axes.axhline(found.tolerance, color=_RED, linestyle="--", linewidth=1.0, zorder=1)
+    axes.annotate(
+        told, (0.005, found.tolerance), xycoords=("axes fraction", "data"), color=_RED, fontsize=8,
+        xytext=(0, 3), textcoords="offset points",
+    )  # fmt: skip
+    if found.rate is not None:
+        limit = 1e6 / found.rate
+        axes.axvline(limit, color=_RED, linestyle="--", linewidth=1.0, zorder=1)
+        axes.annotate(
+            f"{found.rate:g} steps a second", (limit, 0.01), xycoords=("data", "axes fraction"),
+            color=_RED, fontsize=8, rotation=90, ha="right", va="bottom",
+        )  # fmt: skip
+    floor = found.reference.error
+    if floor > _LEAST:
+        axes.axhline(floor, color=_GREY, linestyle=":", linewidth=1.0, zorder=1)
+        axes.annotate(
+            "error of the reference itself", (0.995, floor), xycoords=("axes fraction", "data"),
+            color=_GREY, fontsize=8, ha="right", xytext=(0, 3), textcoords="offset points",
+        )  # fmt: skip
+
+
+def _front(axes: Any, found: Tradeoff) -> None:
+    front = [found.rows[number] for number in found.front]
+    costs, errors = [row.cost for row in front], [_error(row) for row in front]
+    axes.step(costs, errors, where="post", color=_GREY, linewidth=1.4, zorder=2)
+    axes.plot(
+        costs, errors, "o", markersize=13, markerfacecolor="none", markeredgecolor=_BLACK,
+        markeredgewidth=0.8, linestyle="none", zorder=4,
+    )  # fmt: skip
+
+
+def _choice(axes: Any, found: Tradeoff) -> None:
+    row = found.chosen
+    if row is None:
+        return
+    axes.plot(
+        row.cost, _error(row), "*", markersize=19, color=_RED, markeredgecolor="white", zorder=5
+    )
+    text = textwrap.fill(f"chosen: {row.candidate.name}, step {row.candidate.step:.3g} s", 30)
+    axes.annotate(
+        text, (row.cost, _error(row)), xytext=(12, 12), textcoords="offset points", fontsize=9,
+        color=_RED, weight="bold", zorder=6,
+        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
+    )  # fmt: skip
+
+
+def _legend(axes: Any, rows: list[Measurement]) -> None:
+    """Colours for forces, shapes for bases, sizes for steps."""
+    style: dict[str, Any] = {"linestyle": "none", "markeredgecolor": "white"}
+    known = [name for name in _FAMILIES if name in {family(row) for row in rows}]
+    for name in known:
+        marker = "D" if name == "full order" else "o"
+        axes.plot([], [], marker=marker, color=_FAMILIES[name], label=name, markersize=8, **style)
+    bases = {row.candidate.model.basis for row in rows if row.candidate.model is not None}
+    for name in (base for base in _BASE_NAMES if base in bases):
+        label = f"basis of {_BASE_NAMES[name]}"
+        axes.plot([], [], marker=_BASES[name], color=_GREY, label=label, markersize=8, **style)
+    if any(row.candidate.factor > 1 for row in rows):
+        axes.plot([], [], marker="o", color=_GREY, label="longer steps", markersize=5, **style)
+    axes.plot(
+        [], [], "o-", color=_GREY, markersize=11, markerfacecolor="none",
+        markeredgecolor=_BLACK, label="Pareto front",
+    )  # fmt: skip
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+
+
+def _curves(found: Tradeoff) -> list[int]:
+    """Rows whose errors are drawn: of the front some, the chosen one in any case."""
+    front = [n for n in found.front if found.rows[n].candidate.kind != FULL]
+    if len(front) > _MOST_CURVES:
+        front = [front[i] for i in np.linspace(0, len(front) - 1, _MOST_CURVES).astype(int)]
+    extra = [] if found.choice is None or found.choice in front else [found.choice]
+    return front + extra
+
+
+def _png(figure: Figure) -> bytes:
+    buffer = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(buffer)
+    figure.clear()
+    return buffer.getvalue()
