@@ -10,8 +10,22 @@ from fenics_defo.cli.model_info import model_record, model_text
 from fenics_defo.cli.output import libraries_on_stderr, write_text
 from fenics_defo.cli.progress import Progress
 from fenics_defo.cli.ranks import Ranks
+from fenics_defo.cli.tradeoff_text import choice_lines
 from fenics_defo.cli.watched import shown_phases
-from fenics_defo.scene import Recipe, Watcher, read_scene, reduce_scene
+from fenics_defo.runtime import load
+from fenics_defo.scene import (
+    Observer,
+    Recipe,
+    Tradeoff,
+    Watcher,
+    choose_model,
+    is_required,
+    read_scene,
+    reduce_scene,
+)
+from fenics_defo.scene.trade.files import record as trade_record
+
+NONE_FITS = 3
 
 
 def reduce_and_print(options: Namespace, current: Run, progress: Progress, begin: float) -> None:
@@ -30,6 +44,12 @@ def reduce_and_print(options: Namespace, current: Run, progress: Progress, begin
     kind, snapshots = options.basis or (None, None)
     with libraries_on_stderr(), no_unfinished_kernels():
         scene = ranks.on_first(lambda: read_scene(options.scene))
+        if is_required(scene) and not ranks.are_many and not _has_options(options):
+            found = choose_model(
+                scene, options.output, observer=Observer(phases=phases, moved=progress.move)
+            )
+            _tell_choice(found, options, current, progress, dict(phases.seconds))
+            return
         recipe = Recipe(
             basis=kind,
             snapshots=snapshots,
@@ -44,3 +64,30 @@ def reduce_and_print(options: Namespace, current: Run, progress: Progress, begin
         record = {**model_record(options.output, model), "seconds": dict(phases.seconds)}
         text = json.dumps(record, allow_nan=False) + "\n" if options.json else model_text(record)
         write_text(sys.stdout, text)
+
+
+def _has_options(options: Namespace) -> bool:
+    """Whether the command line says how the model is to be made."""
+    names = ("basis", "modes", "size", "share", "force")
+    return any(getattr(options, name) is not None for name in names)
+
+
+def _tell_choice(
+    found: Tradeoff,
+    options: Namespace,
+    current: Run,
+    progress: Progress,
+    seconds: dict[str, float],
+) -> None:
+    """Print what was chosen of what was measured, or why nothing was."""
+    progress.stop()
+    if found.choice is None:
+        current.status = NONE_FITS
+        progress.tell_notes()
+        record = trade_record(found)
+        text = "".join(f"{line}\n" for line in choice_lines(found))
+    else:
+        model = load(options.output)
+        record = {**model_record(options.output, model), "seconds": seconds}
+        text = model_text(record) + "".join(f"{line}\n" for line in choice_lines(found))
+    write_text(sys.stdout, json.dumps(record, allow_nan=False) + "\n" if options.json else text)

@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Sequence
 
-from fenics_defo.scene.trade.choosing import duration, percent
+from fenics_defo.scene.trade.choosing import duration, percent, step_text
 from fenics_defo.scene.trade.records import FAILED, MEASURED, PRUNED, Tradeoff
 
 _WIDTH = 78
@@ -31,18 +31,29 @@ def tradeoff_text(found: Tradeoff, folder: str, files: Sequence[str]) -> str:
     ]
     for number in found.front:
         row, mark = found.rows[number], "*" if number == found.choice else " "
-        step = duration(1e6 * row.candidate.step)
+        step = step_text(row)
         cost = duration(row.microseconds)
         lines.append(
             f"{mark} {row.candidate.name:42s} {step:>9s} {percent(row.error):>9s} {cost:>9s}"
         )
     lines.append("")
-    chosen = found.chosen
-    name = "none fits" if chosen is None else chosen.candidate.name
-    lines += textwrap.wrap(f"chosen: {name}: {found.reason}", _WIDTH, subsequent_indent="  ")
+    lines += choice_lines(found)
     written = [found.model] if found.model else []
     written += ["tradeoff.json", "tradeoff.csv", *files]
     lines += textwrap.wrap(
         f"written: {', '.join(written)} in {folder}", _WIDTH, subsequent_indent="  "
     )
     return "\n".join(lines) + "\n"
+
+
+def choice_lines(found: Tradeoff) -> list[str]:
+    """The choice and its reason, as lines.
+
+    Args:
+        found: the trade-off.
+    """
+    chosen, name = found.chosen, "none fits"
+    if chosen is not None:
+        name = f"{chosen.candidate.name}, {chosen.candidate.integrator}, step {step_text(chosen)}"
+    text = f"chosen: {name}: {found.reason}"
+    return textwrap.wrap(text, _WIDTH, subsequent_indent="  ", break_long_words=False)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fenics_defo.scene.records import Scene
     from fenics_defo.scene.reducing import reduce_scene
     from fenics_defo.scene.running import simulate
-    from fenics_defo.scene.trade.driver import tradeoff
+    from fenics_defo.scene.trade.driver import choose_model, is_required, tradeoff
     from fenics_defo.scene.trade.ladder import Extent
     from fenics_defo.scene.trade.observer import Observer
     from fenics_defo.scene.trade.records import (
@@ -56,6 +56,8 @@ _HOME = {
     "build_prescribed": "building",
     "build_simulation": "building",
     "build_solid": "building",
+    "choose_model": "trade.driver",
+    "is_required": "trade.driver",
     "load_checkpoint": "checkpoint",
     "parse_scene": "parsing",
     "play": "playing",
@@ -84,6 +86,8 @@ __all__ = [
     "build_prescribed",
     "build_simulation",
     "build_solid",
+    "choose_model",
+    "is_required",
     "load_checkpoint",
     "parse_scene",
     "play",

@@ -2,14 +2,17 @@
 
 import io
 import textwrap
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from fenics_defo.runtime import atomic_path
+from fenics_defo.scene.trade.choosing import duration, percent
 from fenics_defo.scene.trade.records import FILTER, FULL, MEASURED, Measurement, Tradeoff
 
 # Colours that people who confuse red and green tell apart: Okabe and Ito (2008).
@@ -59,11 +62,14 @@ def chart_png(found: Tradeoff) -> bytes:
         )
     _front(axes, found)
     _choice(axes, found)
+    _name_full_order(axes, rows)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.margins(0.12)
-    axes.set_xlabel(f"time for one step of the scene, {found.step:g} s of motion [µs]")
-    axes.set_ylabel("largest error of displacements over the motion [-]")
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: duration(value)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: percent(value)))
+    axes.set_xlabel(f"time to compute one step of the scene ({_seconds(found.step)} of motion)")
+    axes.set_ylabel("error of displacements, largest over the motion")
     axes.set_title(f"{Path(found.scene).name}: what accuracy costs", loc="left", fontsize=12)
     axes.grid(visible=True, which="major", alpha=0.25)
     _legend(axes, rows)
@@ -76,26 +82,31 @@ def history_png(found: Tradeoff) -> bytes:
     Args:
         found: the trade-off.
     """
-    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    figure = Figure(figsize=(9.0, 5.0), layout="constrained")
     axes = figure.add_subplot()
+    colours = cycle((_BLUE, _GREEN, _PURPLE, _SKY, _ORANGE, _BLACK, _GREY))
+    times = np.array(found.reference.times)
     for number in _curves(found):
         row = found.rows[number]
-        is_chosen = number == found.choice
+        is_chosen, errors = number == found.choice, np.array(row.errors)
+        seen = errors > _LEAST  # models begin in the reference's state, or nearly
         axes.plot(
-            np.array(found.reference.times)[: len(row.errors)],
-            np.maximum(row.errors, _LEAST),
-            color=_RED if is_chosen else None,
+            times[seen],
+            errors[seen],
+            color=_RED if is_chosen else next(colours),
             linewidth=2.4 if is_chosen else 1.2,
-            label=f"{row.candidate.name}, step {row.candidate.step:.3g} s"
+            label=f"{row.candidate.name}, step {_seconds(row.candidate.step)}"
             + (" (chosen)" if is_chosen else ""),
         )
-    axes.axhline(found.tolerance, color=_RED, linestyle="--", linewidth=1.0)
+    limit = f"tolerance {percent(found.tolerance)}"
+    axes.axhline(found.tolerance, color=_RED, linestyle="--", linewidth=1.0, label=limit)
     axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: percent(value)))
     axes.set_xlabel("time [s]")
-    axes.set_ylabel("error of displacements [-]")
-    axes.set_title("error over time on the front", loc="left", fontsize=12)
+    axes.set_ylabel("error of displacements")
+    axes.set_title("error over time of the models on the front", loc="left", fontsize=12)
     axes.grid(visible=True, alpha=0.25)
-    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    figure.legend(fontsize=8, loc="outside lower left", ncols=2, frameon=False)
     return _png(figure)
 
 
@@ -123,6 +134,19 @@ def family(row: Measurement) -> str:
 
 def _error(row: Measurement) -> float:
     return max(row.error or 0.0, _LEAST)
+
+
+def _seconds(value: float) -> str:
+    return duration(1e6 * value)
+
+
+def _name_full_order(axes: Any, rows: list[Measurement]) -> None:
+    for row in rows:
+        if row.candidate.kind == FULL:
+            axes.annotate(
+                row.candidate.law or "same law", (row.cost, _error(row)), xytext=(-9, 0),
+                textcoords="offset points", fontsize=8, color=_BLACK, ha="right", va="center",
+            )  # fmt: skip
 
 
 def _limits(axes: Any, found: Tradeoff, rows: list[Measurement]) -> None:
@@ -165,7 +189,7 @@ def _choice(axes: Any, found: Tradeoff) -> None:
     axes.plot(
         row.cost, _error(row), "*", markersize=19, color=_RED, markeredgecolor="white", zorder=5
     )
-    text = textwrap.fill(f"chosen: {row.candidate.name}, step {row.candidate.step:.3g} s", 30)
+    text = textwrap.fill(f"chosen: {row.candidate.name}, step {_seconds(row.candidate.step)}", 30)
     axes.annotate(
         text, (row.cost, _error(row)), xytext=(12, 12), textcoords="offset points", fontsize=9,
         color=_RED, weight="bold", zorder=6,

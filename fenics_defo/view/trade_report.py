@@ -5,7 +5,7 @@ from html import escape
 from pathlib import Path
 
 from fenics_defo.runtime import atomic_path
-from fenics_defo.scene.trade.choosing import duration, percent
+from fenics_defo.scene.trade.choosing import duration, percent, step_text
 from fenics_defo.scene.trade.records import FULL, MEASURED, PRUNED, Measurement, Tradeoff
 from fenics_defo.view.trade_charts import chart_png, history_png, write_picture
 
@@ -194,7 +194,7 @@ def _left_out(found: Tradeoff) -> str:
         # One line for all steps and methods of a model that have the same reason.
         what = row.candidate.model.name if row.candidate.model else row.candidate.name
         if row.status != PRUNED:
-            what = f"{row.candidate.name}, {_method(row)}, step {row.candidate.step:.3g} s"
+            what = f"{row.candidate.name}, {_method(row)}, step {step_text(row)}"
         reasons[what, row.reason] = "left out" if row.status == PRUNED else "failed"
     lines = "".join(
         f"<tr><td class='text'>{escape(what)}</td><td class='text'>{state}</td>"
@@ -211,17 +211,17 @@ def _notes(found: Tradeoff) -> str:
         "The time of a step is the runtime's alone: no files, no energies. Full order is there to "
         "be compared with and is never chosen.",
     ]
-    if any(r.candidate.model and r.candidate.model.basis == "snapshots" for r in found.rows):
+    if any(row.candidate.is_trained for row in found.rows):
         text.append(
             "A basis of the training motion is made from this very motion: for other motions of "
-            "the body expect it to be worse than here."
+            "the body expect it to be worse than here. It is chosen only where nothing else fits."
         )
     return "<h2>How to read this</h2><ul>" + "".join(f"<li>{t}</li>" for t in text) + "</ul>"
 
 
 def _short(row: Measurement) -> str:
     return escape(
-        f"{row.candidate.name}, {_method(row)}, step {row.candidate.step:.3g} s: error "
+        f"{row.candidate.name}, {_method(row)}, step {step_text(row)}: error "
         f"{percent(row.error)}, {duration(row.microseconds)} a step"
     )
 

@@ -8,6 +8,8 @@ from fenics_defo.scene.trade.records import FULL, MEASURED, Measurement
 _MISSES = 3
 # Costs that differ by no more than this part count as equal: clocks are no better.
 _SAME = 0.2
+# A candidate that costs more must be better by so much to be on the front.
+_BETTER = 0.99
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +56,7 @@ def pareto_front(rows: Sequence[Measurement]) -> tuple[int, ...]:
     """Numbers of the rows that no other beats in both error and cost, cheapest first."""
     front, least = [], float("inf")
     for number, row in enumerate(rows):  # they are in the order of their cost
-        if row.status == MEASURED and row.error is not None and row.error < least:
+        if row.status == MEASURED and row.error is not None and row.error < _BETTER * least:
             front.append(number)
             least = row.error
     return tuple(front)
@@ -63,7 +65,9 @@ def pareto_front(rows: Sequence[Measurement]) -> tuple[int, ...]:
 def choose(rows: Sequence[Measurement], limits: Limits) -> tuple[int | None, tuple[int, ...], str]:
     """The number of the chosen row, those of the nearest misses, and the reason.
 
-    Only models are chosen: a run of the whole body is there to be compared with.
+    Only models are chosen: a run of the whole body is there to be compared with. A model whose
+    basis is made from this very motion is chosen where no other fits: its error is that of what it
+    was made from, and says little of other motions.
 
     Args:
         rows: from the cheapest on.
@@ -75,6 +79,8 @@ def choose(rows: Sequence[Measurement], limits: Limits) -> tuple[int | None, tup
         if row.status == MEASURED and row.candidate.kind != FULL and row.error is not None
     ]
     good = [n for n, row in models if limits.allows_error(row) and limits.allows_cost(row)]
+    others = [n for n in good if not rows[n].candidate.is_trained]
+    good = others or good
     if good:
         near = [n for n in good if _cost(rows[n]) <= (1.0 + _SAME) * _cost(rows[good[0]])]
         choice = min(near, key=lambda n: rows[n].error or 0.0)
@@ -94,14 +100,19 @@ def _because(
     limits: Limits,
 ) -> str:
     row = rows[choice]
+    is_trained = row.candidate.is_trained
+    models = [(n, r) for n, r in models if is_trained or not r.candidate.is_trained]
     cheaper = [r for _, r in models if (1.0 + _SAME) * _cost(r) < _cost(row)]
     text = (
         f"the cheapest of {len(models)} measured models within {percent(limits.tolerance)}: its "
         f"error is {percent(row.error)}, a step takes {duration(row.microseconds)}"
     )
+    if is_trained:
+        text += "; its basis is made from this very motion, which no other model could follow"
     if cheaper:
         best = min(cheaper, key=lambda r: r.error or 0.0)
-        text += f"; the best of the {len(cheaper)} cheaper ones is off by {percent(best.error)}"
+        count = f"the best of the {len(cheaper)} cheaper ones" if cheaper[1:] else "the cheaper one"
+        text += f"; {count} is off by {percent(best.error)}"
     full = [r for r in rows if r.candidate.kind == FULL and not r.candidate.law and r.cost]
     if full and row.cost and full[0].cost:
         text += f"; the whole body takes {full[0].cost / row.cost:,.0f} times as long"
@@ -124,7 +135,7 @@ def _why_none(nearest: list[tuple[int, Measurement]], limits: Limits) -> str:
 
 def step_text(row: Measurement) -> str:
     """A candidate's step, as text."""
-    return f"{row.candidate.step:.4g} s"
+    return duration(1e6 * row.candidate.step)
 
 
 def percent(value: float | None) -> str:
@@ -136,7 +147,9 @@ def duration(microseconds: float | None) -> str:
     """A time as text."""
     if microseconds is None:
         return "-"
-    for limit, unit in ((1e3, "µs"), (1e6, "ms")):
-        if microseconds < limit:
-            return f"{microseconds * 1e3 / limit:.3g} {unit}"
-    return f"{microseconds / 1e6:.3g} s"
+    # Three digits first: 999.7 µs are 1 ms.
+    rounded = float(f"{microseconds:.3g}")
+    for size, unit in ((1.0, "µs"), (1e3, "ms")):
+        if rounded < 1e3 * size:
+            return f"{rounded / size:.3g} {unit}"
+    return f"{rounded / 1e6:.3g} s" if rounded < 1e9 else f"{rounded / 1e6:,.0f} s"

@@ -61,12 +61,14 @@ class Yardstick:
         roots = np.sqrt(self.masses[rows])[:, None]
         columns = (shapes[:, rows] * roots).reshape(len(shapes), -1).T
         orthonormal = np.linalg.qr(columns)[0]
-        least = np.zeros(len(shapes))
+        least = np.zeros(orthonormal.shape[1])
         for displacement in self.reference.displacements:
             target = (displacement[rows] * roots).ravel()
             left = target @ target - np.cumsum((orthonormal.T @ target) ** 2)
             least = np.maximum(least, np.sqrt(np.maximum(left, 0.0)))
-        return least / self._scales["asked"]
+        # Where there are more shapes than components at the outputs, the last do not count.
+        filled = np.pad(least, (0, len(shapes) - len(least)), mode="edge")
+        return filled / self._scales["asked"]
 
     def summary(
         self, errors: Array, energies: Array, probes: Array, track: Array

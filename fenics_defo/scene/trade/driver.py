@@ -15,15 +15,16 @@ from fenics_defo import __version__
 from fenics_defo.errors import DefoError, SceneError
 from fenics_defo.fem import Solid
 from fenics_defo.fem.regions import select_nodes
-from fenics_defo.runtime import ReducedModel
+from fenics_defo.runtime import ReducedModel, check_writable, load
 from fenics_defo.scene.building import build_solid, told
 from fenics_defo.scene.reading import read_scene
 from fenics_defo.scene.records import Scene
 from fenics_defo.scene.reducing import check_held_or_free, check_held_still
+from fenics_defo.scene.together import with_our_errors
 from fenics_defo.scene.trade.bench import Bench
 from fenics_defo.scene.trade.choosing import Limits, choose, in_order, pareto_front
 from fenics_defo.scene.trade.files import write_tables
-from fenics_defo.scene.trade.ladder import Extent, ladder
+from fenics_defo.scene.trade.ladder import SMALL, Extent, ladder
 from fenics_defo.scene.trade.observer import Observer
 from fenics_defo.scene.trade.records import Measurement, Tradeoff
 from fenics_defo.scene.trade.store import Store
@@ -95,6 +96,35 @@ def tradeoff(
                 (folder / MODEL).unlink(missing_ok=True)
             write_tables(found, folder)
     return found
+
+
+def choose_model(
+    scene: Scene, output: str | os.PathLike[str], *, observer: Observer | None = None
+) -> Tradeoff:
+    """Write the model that a scene requires, found on a short ladder.
+
+    Args:
+        scene: scene.
+        output: file of the model, replaced if one was chosen.
+        observer: who looks on.
+
+    Returns:
+        the table and the choice; nothing was written if ``choice`` is None.
+
+    Raises:
+        DefoError: as `tradeoff`, or the file cannot be written.
+    """
+    with_our_errors(lambda: check_writable(output))
+    with tempfile.TemporaryDirectory() as folder:
+        found = tradeoff(scene, folder, extent=SMALL, observer=observer)
+        if found.choice is not None:
+            load(Path(folder) / MODEL).save(output)
+    return found
+
+
+def is_required(scene: Scene) -> bool:
+    """Whether a scene says what a model of it must be good for."""
+    return scene.require.tolerance is not None or scene.require.rate is not None
 
 
 def certified(model: ReducedModel, found: Tradeoff) -> ReducedModel:

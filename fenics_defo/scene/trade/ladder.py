@@ -125,10 +125,14 @@ def _models(solid: Solid, extent: Extent) -> list[ModelSpec]:
     return [model for model in models if model.size <= most]
 
 
-def _middle(solid: Solid, extent: Extent) -> ModelSpec:
+def _middle(solid: Solid, extent: Extent) -> ModelSpec | None:
+    """The model that other methods are tried with."""
+    sizes = extent.modes if solid.is_linear else extent.sizes
+    if not sizes:
+        return None
+    size = sizes[len(sizes) // 2]
     if solid.is_linear:
-        return ModelSpec(basis="linear", size=extent.modes[len(extent.modes) // 2], force="linear")
-    size = extent.sizes[len(extent.sizes) // 2]
+        return ModelSpec(basis="linear", size=size, force="linear")
     return ModelSpec(basis="modal-derivatives", size=size, force=exact_force(solid))
 
 

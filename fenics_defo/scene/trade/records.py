@@ -56,6 +56,11 @@ class Candidate:
     law: str = ""
 
     @property
+    def is_trained(self) -> bool:
+        """Whether its basis is made from the reference itself."""
+        return self.model is not None and self.model.basis == "snapshots"
+
+    @property
     def name(self) -> str:
         """As in a table, without the step."""
         if self.model is None:
