@@ -41,29 +41,36 @@ def reduce_and_print(options: Namespace, current: Run, progress: Progress, begin
     if not ranks.is_first:
         progress.silence()
     phases = shown_phases(current, progress, begin)
-    kind, snapshots = options.basis or (None, None)
     with libraries_on_stderr(), no_unfinished_kernels():
         scene = ranks.on_first(lambda: read_scene(options.scene))
+        # Times are measured by one process alone.
         if is_required(scene) and not ranks.are_many and not _has_options(options):
-            found = choose_model(
-                scene, options.output, observer=Observer(phases=phases, moved=progress.move)
+            observer = Observer(phases=phases, moved=progress.move)
+            found = choose_model(scene, options.output, observer=observer)
+        else:
+            found = None
+            model = reduce_scene(
+                scene, options.output, recipe=_recipe(options), watcher=Watcher(phases=phases)
             )
-            _tell_choice(found, options, current, progress, dict(phases.seconds))
-            return
-        recipe = Recipe(
-            basis=kind,
-            snapshots=snapshots,
-            modes=options.modes,
-            size=options.size,
-            share=options.share,
-            force=options.force,
-        )
-        model = reduce_scene(scene, options.output, recipe=recipe, watcher=Watcher(phases=phases))
     progress.stop()
-    if ranks.is_first:
+    if found is not None:
+        _tell_choice(found, options, current, progress, dict(phases.seconds))
+    elif ranks.is_first:
         record = {**model_record(options.output, model), "seconds": dict(phases.seconds)}
         text = json.dumps(record, allow_nan=False) + "\n" if options.json else model_text(record)
         write_text(sys.stdout, text)
+
+
+def _recipe(options: Namespace) -> Recipe:
+    kind, snapshots = options.basis or (None, None)
+    return Recipe(
+        basis=kind,
+        snapshots=snapshots,
+        modes=options.modes,
+        size=options.size,
+        share=options.share,
+        force=options.force,
+    )
 
 
 def _has_options(options: Namespace) -> bool:
@@ -80,7 +87,6 @@ def _tell_choice(
     seconds: dict[str, float],
 ) -> None:
     """Print what was chosen of what was measured, or why nothing was."""
-    progress.stop()
     if found.choice is None:
         current.status = NONE_FITS
         progress.tell_notes()

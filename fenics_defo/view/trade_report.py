@@ -6,7 +6,7 @@ from pathlib import Path
 
 from fenics_defo.runtime import atomic_path
 from fenics_defo.scene.trade.choosing import duration, percent, step_text
-from fenics_defo.scene.trade.records import FULL, MEASURED, PRUNED, Measurement, Tradeoff
+from fenics_defo.scene.trade.records import FILTER, FULL, MEASURED, PRUNED, Measurement, Tradeoff
 from fenics_defo.view.trade_charts import chart_png, history_png, write_picture
 
 CHART, HISTORY, REPORT = "tradeoff.png", "errors.png", "report.html"
@@ -31,7 +31,8 @@ tr.chosen td { background: #e2f4ec; font-weight: 600; }
 tr.front td.text:first-child::after { content: " \\25CB"; }
 td.bad { color: #b3471b; } td.good { color: #00734f; }
 dl { display: grid; grid-template-columns: max-content auto; gap: .15rem 1.2rem; }
-dt { color: #666; } dd { margin: 0; } details { margin-top: .6rem; }
+dt { color: #666; } dd { margin: 0; }
+pre { background: #f6f6f6; padding: .6rem .8rem; overflow-x: auto; font-size: 13px; }
 """
 
 
@@ -103,13 +104,36 @@ def _answer(found: Tradeoff) -> str:
     return (
         f"<div class='answer'><b class='big'>{escape(candidate.name)}</b>"
         f"<p>Saved as <code>{escape(found.model)}</code>; step it by {escape(_method(row))} with "
-        f"{candidate.step:.6g} s.</p><p>{escape(_sentence(found.reason))}</p>"
+        f"{candidate.step:.6g} s:</p><pre>{escape(_recipe(found, row))}</pre>"
+        f"<p>{escape(_sentence(found.reason))}</p>"
         f"<dl><dt>asked for</dt><dd>error at most {percent(found.tolerance)}{default}{rate}</dd>"
         f"<dt>error</dt><dd>{percent(row.error)} at worst, {percent(row.error_rms)} root mean "
         f"square</dd><dt>a step</dt><dd>{duration(row.microseconds)} (99 of 100 within "
         f"{duration(row.microseconds_p99)}), {_times(row.real_time)} real time</dd>"
         f"<dt>made in</dt><dd>{_seconds(row.offline_seconds)}, {_bytes(row.model_bytes)}</dd>"
         "</dl></div>"
+    )
+
+
+def _recipe(found: Tradeoff, row: Measurement) -> str:
+    """How the chosen model is run as it was measured."""
+    candidate = row.candidate
+    classes = {
+        "exact": "ModalFilter",
+        "implicit-newmark": "ImplicitNewmark",
+        "backward-euler": "BackwardEuler",
+        "central-differences": "CentralDifferences",
+        "symplectic-euler": "SymplecticEuler",
+    }
+    if candidate.integrator not in classes or found.flies:
+        return f"fenics-defo play {found.model} {Path(found.scene).name} --output played"
+    more = ', hold="linear"' if candidate.kind == FILTER else ""
+    return (
+        "from fenics_defo import runtime\n\n"
+        f'model = runtime.load("{found.model}")\n'
+        f"motion = runtime.{classes[candidate.integrator]}(model, step={candidate.step!r}{more})\n"
+        "motion.advance(load)  # load (r,): see model.load, model.gravity, model.point_load\n"
+        "model.displacement(motion.q)  # of the stored nodes [m]"
     )
 
 
@@ -208,6 +232,8 @@ def _notes(found: Tradeoff) -> str:
     text = [
         "The error is the norm of the difference of displacements, weighed by the mass at the "
         "nodes, over its largest value in the reference; the largest over the motion decides.",
+        "Errors below that of the reference itself (the dotted line) say nothing: they count as "
+        "equal to it.",
         "The time of a step is the runtime's alone: no files, no energies. Full order is there to "
         "be compared with and is never chosen.",
     ]

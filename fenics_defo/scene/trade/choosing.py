@@ -20,11 +20,13 @@ class Limits:
         tolerance: largest error [-].
         rate: steps a second [Hz]; None: any.
         step: of the scene [s].
+        floor: error of the reference: smaller ones count as equal to it [-].
     """
 
     tolerance: float
     rate: float | None
     step: float
+    floor: float = 0.0
 
     def allows_error(self, row: Measurement) -> bool:
         """Whether a candidate is accurate enough."""
@@ -52,13 +54,21 @@ def in_order(rows: Sequence[Measurement]) -> tuple[Measurement, ...]:
     return (*sorted(measured, key=lambda row: row.cost or 0.0), *others)
 
 
-def pareto_front(rows: Sequence[Measurement]) -> tuple[int, ...]:
-    """Numbers of the rows that no other beats in both error and cost, cheapest first."""
+def pareto_front(rows: Sequence[Measurement], floor: float = 0.0) -> tuple[int, ...]:
+    """Numbers of the rows that no other beats in both error and cost, cheapest first.
+
+    Args:
+        rows: from the cheapest on.
+        floor: error of the reference: smaller ones count as equal to it [-].
+    """
     front, least = [], float("inf")
     for number, row in enumerate(rows):  # they are in the order of their cost
-        if row.status == MEASURED and row.error is not None and row.error < _BETTER * least:
+        if row.status != MEASURED or row.error is None:
+            continue
+        error = max(row.error, floor)
+        if error < _BETTER * least:
             front.append(number)
-            least = row.error
+            least = error
     return tuple(front)
 
 
@@ -83,10 +93,15 @@ def choose(rows: Sequence[Measurement], limits: Limits) -> tuple[int | None, tup
     good = others or good
     if good:
         near = [n for n in good if _cost(rows[n]) <= (1.0 + _SAME) * _cost(rows[good[0]])]
-        choice = min(near, key=lambda n: rows[n].error or 0.0)
+        # Then the smallest: it leaves most to spare.
+        choice = min(near, key=lambda n: (max(rows[n].error or 0.0, limits.floor), _size(rows[n])))
         return choice, (), _because(rows, choice, models, limits)
     nearest = sorted(models, key=lambda pair: limits.excess(pair[1]))[:_MISSES]
     return None, tuple(number for number, _ in nearest), _why_none(nearest, limits)
+
+
+def _size(row: Measurement) -> int:
+    return 0 if row.candidate.model is None else row.candidate.model.size
 
 
 def _cost(row: Measurement) -> float:

@@ -88,6 +88,7 @@ def tradeoff(
         with observer.phases("candidates"):
             rows = in_order(bench.measure(limits.tolerance))
         with observer.phases("write"):
+            limits = replace(limits, floor=reference.error)
             found = _chosen(scene, solid, rows, limits, reference)
             if found.choice is not None:
                 model = bench.model_of(rows[found.choice].candidate)
@@ -208,15 +209,17 @@ def _chosen(
     return Tradeoff(
         scene=str(scene.path),
         title=f"{len(solid.points):,} nodes, {solid.dof_count:,} unknowns, "
-        f"{scene.time.steps:,} steps of {scene.time.step:g} s, {scene.time.integrator}",
+        f"{scene.time.steps:,} steps of {scene.time.step:g} s, "
+        f"{scene.time.integrator.replace('static', 'statics')}",
         step=scene.time.step,
         duration=scene.time.duration,
+        flies=not solid.held.any(),
         tolerance=limits.tolerance,
         is_default=scene.require.tolerance is None,
         rate=limits.rate,
         reference=reference,
         rows=rows,
-        front=pareto_front(rows),
+        front=pareto_front(rows, limits.floor),
         choice=choice,
         reason=reason,
         misses=misses,

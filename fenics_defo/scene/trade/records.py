@@ -159,6 +159,7 @@ class Tradeoff:
         title: what it is, a few words.
         step: of the scene [s].
         duration: of the scene [s].
+        flies: whether nothing holds the body.
         tolerance: error that is allowed [-].
         is_default: whether the scene has none and this is the default.
         rate: steps a second that are asked for [Hz].
@@ -177,6 +178,7 @@ class Tradeoff:
     title: str
     step: float
     duration: float
+    flies: bool
     tolerance: float
     is_default: bool
     rate: float | None

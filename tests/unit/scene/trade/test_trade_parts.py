@@ -133,6 +133,14 @@ def test_no_row_beats_one_on_the_front(values: list[tuple[float, float, int]]) -
     assert costs == sorted(costs)  # type: ignore[type-var]
 
 
+def test_errors_below_that_of_the_reference_count_as_equal() -> None:
+    rows = in_order([row(0.03, 5.0), row(0.004, 10.0), row(0.0001, 20.0), row(0.002, 11.0)])
+    assert pareto_front(rows) == (0, 1, 2, 3)
+    assert pareto_front(rows, 0.005) == (0, 1)
+    choice, _, _ = choose(rows, Limits(tolerance=0.01, rate=None, step=STEP, floor=0.005))
+    assert choice == 1
+
+
 def test_a_basis_that_is_far_off_is_left_out() -> None:
     spec = ModelSpec(basis="linear", size=5, force="cubic")
     known = {"energy_ratio": 1.0, "is_linear": False}
