@@ -30,9 +30,10 @@ _BASES = {"linear": "o", "modal-derivatives": "^", "snapshots": "s", "": "D"}
 _BASE_NAMES = {
     "linear": "modes",
     "modal-derivatives": "modal derivatives",
-    "snapshots": "training motion",
+    "snapshots": "this very motion",
 }
 _MOST_CURVES = 7
+_SAME_HEIGHT = 1.3  # factor between errors whose labels would overlap
 _LEAST = 1e-9  # errors below are drawn there
 
 
@@ -47,16 +48,18 @@ def chart_png(found: Tradeoff) -> bytes:
     rows = [row for row in found.rows if row.status == MEASURED]
     _limits(axes, found, rows)
     for row in rows:
-        is_tried = row.candidate.factor == 1
+        is_tried, is_trained = row.candidate.factor == 1, row.candidate.is_trained
+        colour = _FAMILIES[family(row)]
         axes.plot(
             row.cost or 0.0,
             _error(row),
             marker=_BASES["" if row.candidate.model is None else row.candidate.model.basis],
-            color=_FAMILIES[family(row)],
+            color=colour,
             markersize=8 if is_tried else 5,
             alpha=0.9 if is_tried else 0.55,
-            markeredgecolor="white",
-            markeredgewidth=0.7,
+            markerfacecolor="none" if is_trained else colour,
+            markeredgecolor=colour if is_trained else "white",
+            markeredgewidth=1.2 if is_trained else 0.7,
             linestyle="none",
             zorder=3,
         )
@@ -141,12 +144,21 @@ def _seconds(value: float) -> str:
 
 
 def _name_full_order(axes: Any, rows: list[Measurement]) -> None:
-    for row in rows:
-        if row.candidate.kind == FULL:
-            axes.annotate(
-                row.candidate.law or "same law", (row.cost, _error(row)), xytext=(-9, 0),
-                textcoords="offset points", fontsize=8, color=_BLACK, ha="right", va="center",
-            )  # fmt: skip
+    """Say which law each diamond has; those at one height together, at the left one."""
+    full = sorted((row for row in rows if row.candidate.kind == FULL), key=_error)
+    groups: list[list[Measurement]] = []
+    for row in full:
+        if groups and _error(row) < _SAME_HEIGHT * _error(groups[-1][0]):
+            groups[-1].append(row)
+        else:
+            groups.append([row])
+    for group in groups:
+        group.sort(key=lambda row: row.cost or 0.0)
+        axes.annotate(
+            ", ".join(row.candidate.law or "same law" for row in group),
+            (group[0].cost, _error(group[0])), xytext=(-9, 0), textcoords="offset points",
+            fontsize=8, color=_BLACK, ha="right", va="center",
+        )  # fmt: skip
 
 
 def _limits(axes: Any, found: Tradeoff, rows: list[Measurement]) -> None:
@@ -167,8 +179,8 @@ def _limits(axes: Any, found: Tradeoff, rows: list[Measurement]) -> None:
     if floor > _LEAST:
         axes.axhline(floor, color=_GREY, linestyle=":", linewidth=1.0, zorder=1)
         axes.annotate(
-            "error of the reference itself", (0.995, floor), xycoords=("axes fraction", "data"),
-            color=_GREY, fontsize=8, ha="right", xytext=(0, 3), textcoords="offset points",
+            "error of the reference itself", (0.005, floor), xycoords=("axes fraction", "data"),
+            color=_GREY, fontsize=8, xytext=(0, 3), textcoords="offset points",
         )  # fmt: skip
 
 
@@ -190,8 +202,10 @@ def _choice(axes: Any, found: Tradeoff) -> None:
         row.cost, _error(row), "*", markersize=19, color=_RED, markeredgecolor="white", zorder=5
     )
     text = textwrap.fill(f"chosen: {row.candidate.name}, step {_seconds(row.candidate.step)}", 30)
+    # Where it would cover the tolerance it goes below.
+    is_near = found.tolerance / 10.0 < _error(row) < found.tolerance
     axes.annotate(
-        text, (row.cost, _error(row)), xytext=(12, 12), textcoords="offset points", fontsize=9,
+        text, (row.cost, _error(row)), xytext=(12, -34 if is_near else 12), textcoords="offset points", fontsize=9,
         color=_RED, weight="bold", zorder=6,
         bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
     )  # fmt: skip
@@ -207,7 +221,9 @@ def _legend(axes: Any, rows: list[Measurement]) -> None:
     bases = {row.candidate.model.basis for row in rows if row.candidate.model is not None}
     for name in (base for base in _BASE_NAMES if base in bases):
         label = f"basis of {_BASE_NAMES[name]}"
-        axes.plot([], [], marker=_BASES[name], color=_GREY, label=label, markersize=8, **style)
+        look = {**style, "markeredgecolor": _GREY, "markerfacecolor": "none"}
+        look = look if name == "snapshots" else style
+        axes.plot([], [], marker=_BASES[name], color=_GREY, label=label, markersize=8, **look)
     if any(row.candidate.factor > 1 for row in rows):
         axes.plot([], [], marker="o", color=_GREY, label="longer steps", markersize=5, **style)
     axes.plot(

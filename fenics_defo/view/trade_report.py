@@ -73,7 +73,8 @@ def report_html(found: Tradeoff, chart: bytes, history: bytes) -> str:
         "<h2>What accuracy costs</h2>",
         _image(chart, "error against the time for one step of the scene"),
         "<p>Each mark is one way to compute this scene. Down is more accurate, left is cheaper; "
-        "circled marks are beaten by no other in both.</p>",
+        "circled marks are beaten by no other in both. Hollow squares know this very motion and do "
+        "not count.</p>",
         "<h2>Error over time</h2>",
         _image(history, "error over time of the candidates on the front"),
         "<h2>What it was held against</h2>",

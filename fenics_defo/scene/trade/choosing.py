@@ -54,16 +54,21 @@ def in_order(rows: Sequence[Measurement]) -> tuple[Measurement, ...]:
     return (*sorted(measured, key=lambda row: row.cost or 0.0), *others)
 
 
-def pareto_front(rows: Sequence[Measurement], floor: float = 0.0) -> tuple[int, ...]:
+def pareto_front(
+    rows: Sequence[Measurement], floor: float = 0.0, *, trained: bool = False
+) -> tuple[int, ...]:
     """Numbers of the rows that no other beats in both error and cost, cheapest first.
 
     Args:
         rows: from the cheapest on.
         floor: error of the reference: smaller ones count as equal to it [-].
+        trained: whether models count whose bases are made from this very motion.
     """
     front, least = [], float("inf")
     for number, row in enumerate(rows):  # they are in the order of their cost
         if row.status != MEASURED or row.error is None:
+            continue
+        if row.candidate.is_trained and not trained:
             continue
         error = max(row.error, floor)
         if error < _BETTER * least:

@@ -4,7 +4,8 @@ import logging
 import os
 import platform
 import tempfile
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -66,7 +67,7 @@ def tradeoff(
         DefoError: the reference cannot be run, or the folder cannot be written.
     """
     observer = observer or Observer()
-    with ExitStack() as stack:
+    with ExitStack() as stack, _once_each("fenics_defo.scene.reduced_flight"):
         if output is None:
             output = stack.enter_context(tempfile.TemporaryDirectory())
         folder = Path(output)
@@ -97,6 +98,24 @@ def tradeoff(
                 (folder / MODEL).unlink(missing_ok=True)
             write_tables(found, folder)
     return found
+
+
+@contextmanager
+def _once_each(name: str) -> Iterator[None]:
+    """Let a module say the same thing once only: it does for each candidate."""
+    told: set[str] = set()
+
+    def is_new(entry: logging.LogRecord) -> bool:
+        is_known = entry.getMessage() in told
+        told.add(entry.getMessage())
+        return not is_known
+
+    logger = logging.getLogger(name)
+    logger.addFilter(is_new)
+    try:
+        yield
+    finally:
+        logger.removeFilter(is_new)
 
 
 def choose_model(
@@ -206,6 +225,7 @@ def _chosen(
     reference: Any,
 ) -> Tradeoff:
     choice, misses, reason = choose(rows, limits)
+    trained = choice is not None and rows[choice].candidate.is_trained
     return Tradeoff(
         scene=str(scene.path),
         title=f"{len(solid.points):,} nodes, {solid.dof_count:,} unknowns, "
@@ -219,7 +239,7 @@ def _chosen(
         rate=limits.rate,
         reference=reference,
         rows=rows,
-        front=pareto_front(rows, limits.floor),
+        front=pareto_front(rows, limits.floor, trained=trained),
         choice=choice,
         reason=reason,
         misses=misses,

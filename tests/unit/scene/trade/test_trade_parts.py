@@ -85,6 +85,8 @@ def test_what_is_made_from_this_motion_is_chosen_where_nothing_else_fits() -> No
     trained = row(1e-6, 1.0, basis="snapshots")
     rows = in_order([trained, row(0.005, 50.0)])
     assert choose(rows, limits())[0] == 1
+    assert pareto_front(rows) == (1,)
+    assert pareto_front(rows, trained=True) == (0,)
     choice, _, reason = choose(in_order([trained, row(0.05, 50.0)]), limits())
     assert choice == 0
     assert "made from this very motion" in reason
