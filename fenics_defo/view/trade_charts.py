@@ -205,8 +205,8 @@ def _choice(axes: Any, found: Tradeoff) -> None:
     # Where it would cover the tolerance it goes below.
     is_near = found.tolerance / 10.0 < _error(row) < found.tolerance
     axes.annotate(
-        text, (row.cost, _error(row)), xytext=(12, -34 if is_near else 12), textcoords="offset points", fontsize=9,
-        color=_RED, weight="bold", zorder=6,
+        text, (row.cost, _error(row)), xytext=(12, -34 if is_near else 12),
+        textcoords="offset points", fontsize=9, color=_RED, weight="bold", zorder=6,
         bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
     )  # fmt: skip
 

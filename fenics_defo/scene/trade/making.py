@@ -64,7 +64,10 @@ class Maker:
         training = None
         if spec.force == "cubature":
             assert spec.tolerance is not None
-            training = train_cubature(self._solid, basis.shapes, tolerance=spec.tolerance)
+            # With the exact stiffness at rest, small vibrations keep their frequencies.
+            training = train_cubature(
+                self._solid, basis.shapes, tolerance=spec.tolerance, keep_rest_stiffness=True
+            )
         model = scene_model(self._whole, self._solid, basis, spec.force, training=training)
         return model, seconds + time.perf_counter() - begin
 
