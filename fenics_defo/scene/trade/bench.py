@@ -18,7 +18,7 @@ from fenics_defo.scene.trade.full import Recorded, run_full, with_law
 from fenics_defo.scene.trade.making import Maker, plain_key, with_outputs
 from fenics_defo.scene.trade.measuring import failure, measure_full, measure_model
 from fenics_defo.scene.trade.observer import Observer
-from fenics_defo.scene.trade.pruning import far_from
+from fenics_defo.scene.trade.pruning import far_from, is_near_rest
 from fenics_defo.scene.trade.records import (
     FULL,
     PRUNED,
@@ -133,7 +133,11 @@ class Bench:
         try:
             return load(path)
         except DefoError:  # it was deleted, or is damaged
-            return with_outputs(self._maker.model(spec)[0], self._outputs)
+            return with_outputs(self._maker.model(spec, swings=self._swings)[0], self._outputs)
+
+    @property
+    def _swings(self) -> bool:
+        return is_near_rest(self._reference.energy_ratio)
 
     def _kept(self, candidate: Candidate) -> Measurement | None:
         row = self._store.measurement(candidate)
@@ -170,7 +174,7 @@ class Bench:
                     Measurement(candidate=candidate, status=PRUNED, reason=why, **costs)
                     for candidate in candidates
                 ]
-            model, seconds = self._maker.model(spec)
+            model, seconds = self._maker.model(spec, swings=self._swings)
             costs |= {"offline_seconds": seconds, "model_bytes": self._saved(spec, model)}
         except DefoError as error:
             rows = [failure(candidate, error, {}) for candidate in candidates]

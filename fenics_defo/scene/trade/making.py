@@ -53,8 +53,13 @@ class Maker:
         largest, seconds = self._bases[spec.basis]
         return _first(largest, spec.size), seconds
 
-    def model(self, spec: ModelSpec) -> tuple[ReducedModel, float]:
+    def model(self, spec: ModelSpec, *, swings: bool) -> tuple[ReducedModel, float]:
         """The model with all nodes, and the seconds that it and its basis took.
+
+        Args:
+            spec: model.
+            swings: whether the motion stays near rest, where a cubature had better keep the exact
+                stiffness and so the frequencies; far from rest that correction is wrong.
 
         Raises:
             DefoError: the force does not suit the body.
@@ -64,9 +69,8 @@ class Maker:
         training = None
         if spec.force == "cubature":
             assert spec.tolerance is not None
-            # With the exact stiffness at rest, small vibrations keep their frequencies.
             training = train_cubature(
-                self._solid, basis.shapes, tolerance=spec.tolerance, keep_rest_stiffness=True
+                self._solid, basis.shapes, tolerance=spec.tolerance, keep_rest_stiffness=swings
             )
         model = scene_model(self._whole, self._solid, basis, spec.force, training=training)
         return model, seconds + time.perf_counter() - begin

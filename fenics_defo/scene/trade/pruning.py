@@ -7,6 +7,7 @@ from fenics_defo.scene.trade.records import ModelSpec
 _FAR = 3.0
 # ½ uᵀ K u over the strain energy. Where a body turns, the first counts the turn as strain.
 _BENT = 2.0
+_NEAR = 1.25  # the same, where nonlinear parts are a correction
 _COARSE = 0.2  # tolerances above which even that may do
 
 
@@ -41,3 +42,12 @@ def far_from(
             "displacement: the body bends too far for them"
         )
     return ""
+
+
+def is_near_rest(energy_ratio: float | None) -> bool:
+    """Whether a motion stays where the stiffness at rest tells most of the forces.
+
+    Args:
+        energy_ratio: see `Reference`.
+    """
+    return energy_ratio is not None and 1.0 / _NEAR <= energy_ratio <= _NEAR

@@ -15,7 +15,7 @@ from fenics_defo.scene.trade.choosing import (
 )
 from fenics_defo.scene.trade.comparing import Yardstick
 from fenics_defo.scene.trade.full import Recorded
-from fenics_defo.scene.trade.pruning import far_from
+from fenics_defo.scene.trade.pruning import far_from, is_near_rest
 from fenics_defo.scene.trade.records import (
     FULL,
     MEASURED,
@@ -157,6 +157,7 @@ def test_linear_forces_are_left_out_where_the_body_bends_far() -> None:
     bent = {"tolerance": 0.01, "best_error": 0.0, "energy_ratio": 7.0}
     assert "7 times" in far_from(linear, is_linear=False, **bent)
     assert not far_from(cubic, is_linear=False, **bent)
+    assert [is_near_rest(ratio) for ratio in (1.0, 0.9, 7.0, 0.5, None)] == [True] * 2 + [False] * 3
     assert not far_from(linear, is_linear=True, **bent)
     assert not far_from(linear, is_linear=False, **{**bent, "energy_ratio": 1.3})
     assert not far_from(linear, is_linear=False, **{**bent, "tolerance": 0.5})
