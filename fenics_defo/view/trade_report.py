@@ -33,6 +33,7 @@ td.bad { color: #b3471b; } td.good { color: #00734f; }
 dl { display: grid; grid-template-columns: max-content auto; gap: .15rem 1.2rem; }
 dt { color: #666; } dd { margin: 0; }
 pre { background: #f6f6f6; padding: .6rem .8rem; overflow-x: auto; font-size: 13px; }
+details { margin: .8rem 0; } summary { cursor: pointer; color: #0072b2; }
 """
 
 
@@ -79,10 +80,14 @@ def report_html(found: Tradeoff, chart: bytes, history: bytes) -> str:
         _image(history, "error over time of the candidates on the front"),
         "<h2>What it was held against</h2>",
         _reference(found),
-        "<h2>All that was measured</h2>",
-        _table(found),
+        "<h2>What was measured</h2>",
+        _table(found, _telling(found)),
+        f"<details><summary>All {len(_measured(found))} that were measured</summary>",
+        _table(found, _measured(found)),
+        "</details>",
         _left_out(found),
         _notes(found),
+        _scene_text(found),
         "</body></html>",
     ]
     return "\n".join(parts) + "\n"
@@ -171,7 +176,17 @@ def _reference(found: Tradeoff) -> str:
     return f"<dl>{rows}</dl>"
 
 
-def _table(found: Tradeoff) -> str:
+def _measured(found: Tradeoff) -> list[int]:
+    return [number for number, row in enumerate(found.rows) if row.status == MEASURED]
+
+
+def _telling(found: Tradeoff) -> list[int]:
+    """Rows that tell most: the front, the choice or the misses, the whole body."""
+    telling = {*found.front, *found.misses, *([] if found.choice is None else [found.choice])}
+    return [n for n in _measured(found) if n in telling or found.rows[n].candidate.kind == FULL]
+
+
+def _table(found: Tradeoff, numbers: list[int]) -> str:
     head = (
         "<th class='text'>model</th><th class='text'>method</th><th>step</th><th>error</th>"
         "<th>rms</th><th>basis<br>at best</th><th>energy</th><th>frequency</th>"
@@ -235,6 +250,8 @@ def _notes(found: Tradeoff) -> str:
         "nodes, over its largest value in the reference; the largest over the motion decides.",
         "Errors below that of the reference itself (the dotted line) say nothing: they count as "
         "equal to it.",
+        "Models are made within the first columns of the largest basis of their kind, whose making "
+        "counts for each.",
         "The time of a step is the runtime's alone: no files, no energies. Full order is there to "
         "be compared with and is never chosen.",
     ]
@@ -244,6 +261,15 @@ def _notes(found: Tradeoff) -> str:
             "the body expect it to be worse than here. It is chosen only where nothing else fits."
         )
     return "<h2>How to read this</h2><ul>" + "".join(f"<li>{t}</li>" for t in text) + "</ul>"
+
+
+def _scene_text(found: Tradeoff) -> str:
+    """The scene file as it is, if it still is."""
+    try:
+        text = Path(found.scene).read_text("utf-8")
+    except (OSError, UnicodeDecodeError):
+        return ""
+    return f"<details><summary>The scene file</summary><pre>{escape(text)}</pre></details>"
 
 
 def _short(row: Measurement) -> str:

@@ -161,6 +161,7 @@ def test_tables_and_pictures_hold_all_rows(measured: tuple[Tradeoff, Path]) -> N
     for word in ("<script", "http:", "https:", "src='/", "<link"):
         assert word not in page
     assert page.count("data:image/png;base64,") == 2
+    assert "st-venant-kirchhoff" in page  # of the scene file
     for row in found.rows:
         model = row.candidate.model
         assert (model.name if model else row.candidate.name) in page
