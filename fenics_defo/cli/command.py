@@ -29,7 +29,7 @@ _RANK_VARIABLES = ("PMI_RANK", "OMPI_COMM_WORLD_RANK", "PMIX_RANK", "SLURM_PROCI
 # What the parts of the package need, by the name it is imported by.
 _EXTRAS = {
     "fem": {"basix", "dolfinx", "ffcx", "gmsh", "h5py", "meshio", "rich", "scipy", "ufl"},
-    "view": {"PIL", "pyvista", "vtkmodules"},
+    "view": {"PIL", "matplotlib", "pyvista", "vtkmodules"},
 }
 
 
@@ -82,6 +82,7 @@ class Run:
         interrupted: whether Ctrl-C was pressed, to end the run at once.
         asked_to_stop: whether Ctrl-C was pressed where it waits for the step under way.
         stopped: what to say of a run that all ranks have then ended in good order.
+        status: exit status of a run that has done its work.
     """
 
     command: str
@@ -89,6 +90,7 @@ class Run:
     interrupted: bool = False
     asked_to_stop: bool = False
     stopped: str = ""
+    status: int = 0
 
     @property
     def is_first(self) -> bool:
@@ -159,8 +161,9 @@ class Run:
 def run(command: str, work: Callable[[Run], None]) -> int:
     """Do the work of a command and return its exit status.
 
-    0 done; 1 the user's error, one sentence on standard error; 130 interrupted. Another exception
-    is a fault of ours: it goes on as it is, and under MPI ends all ranks after its traceback.
+    That of the run, mostly 0, if it is done; 1 the user's error, one sentence on standard error;
+    130 interrupted. Another exception is a fault of ours: it goes on as it is, and under MPI
+    ends all ranks after its traceback.
 
     Args:
         command: name of the command.
@@ -189,7 +192,7 @@ def run(command: str, work: Callable[[Run], None]) -> int:
             raise
         traceback.print_exc()
         current.ranks.abort(FAILED)
-    return 0
+    return current.status
 
 
 @contextlib.contextmanager

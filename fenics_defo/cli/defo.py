@@ -1,4 +1,4 @@
-"""``fenics-defo``: scenes simulated, reduced and played, and what files of ours hold."""
+"""``fenics-defo``: scenes simulated, reduced, played and measured, and what files hold."""
 
 import sys
 import time
@@ -8,6 +8,7 @@ from fenics_defo import __version__
 from fenics_defo.cli.command import Parser, Run, number, run
 from fenics_defo.cli.reduce_options import add_play, add_reduce
 from fenics_defo.cli.simulate_options import add_simulate
+from fenics_defo.cli.tradeoff_options import add_tradeoff
 
 
 def build_parser() -> Parser:
@@ -20,6 +21,7 @@ def build_parser() -> Parser:
     add_simulate(commands)
     add_reduce(commands)
     add_play(commands)
+    add_tradeoff(commands)
     what = "what a mesh, a file of modes, a model, a scene or a folder of results holds"
     info = commands.add_parser(
         "info",
@@ -54,7 +56,13 @@ def main(argv: list[str] | None = None) -> int:
     except SystemExit as leaving:  # --help, --version, or an error already told
         return int(leaving.code or 0)
     begin = time.perf_counter()
-    work = {"simulate": _simulate, "reduce": _reduce, "play": _play, "info": _tell_content}
+    work = {
+        "simulate": _simulate,
+        "reduce": _reduce,
+        "play": _play,
+        "tradeoff": _tradeoff,
+        "info": _tell_content,
+    }
     return run("fenics-defo", lambda current: work[options.command](options, current, begin))
 
 
@@ -91,6 +99,17 @@ def _play(options: Namespace, current: Run, begin: float) -> None:
         from fenics_defo.cli.play_run import play_and_print  # NumPy and nothing else
 
         play_and_print(options, current, progress, begin)
+
+
+def _tradeoff(options: Namespace, current: Run, begin: float) -> None:
+    from fenics_defo.cli.output import libraries_on_stderr, loading_libraries
+    from fenics_defo.cli.progress import progress_shown
+
+    with progress_shown(show=current.is_first) as progress:
+        progress.start("load")
+        with libraries_on_stderr(), loading_libraries():
+            from fenics_defo.cli.tradeoff_run import measure_and_print
+        measure_and_print(options, current, progress, begin)
 
 
 def _tell_content(options: Namespace, current: Run, _begin: float) -> None:

@@ -13,6 +13,10 @@ scene's law in it. It carries the scene's loads, probes and damping, and knows
 the mesh, materials and constraints that it stands for."""
 
 REDUCE_DETAILS = """\
+Without options, a scene whose [require] names a tolerance or a rate gets the
+cheapest model that meets them: the scene is run, a few models are measured (see
+fenics-defo tradeoff). Else, or with options:
+
 Bases
   modal-derivatives  vibration modes and how they change as the body bends: for
                      laws that are not linear (default there: 8 modes; of them
@@ -37,7 +41,8 @@ Examples
   fenics-defo reduce bent.toml --output bent.npz --modes 6 --size 12
   fenics-defo reduce drop.toml --output drop.npz --basis snapshots=out --share 0.9999
 
-Exit status: 0 done, 1 something to mend (one sentence says what), 130 interrupted."""
+Exit status: 0 done, 1 something to mend (one sentence says what), 3 no model meets
+what [require] asks for, 130 interrupted."""
 
 PLAY = """\
 Move the model of a scene's body through the scene, with NumPy alone.
@@ -97,10 +102,9 @@ def add_reduce(commands: Any) -> None:
     parser.add_argument(
         "--tolerance",
         type=number,
-        default=0.01,
         metavar="T",
         help="relative error of the force at the poses that a cubature is trained at (default: "
-        "%(default)s)",
+        "0.01)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 

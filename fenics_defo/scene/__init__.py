@@ -25,13 +25,30 @@ if TYPE_CHECKING:
     from fenics_defo.scene.records import Scene
     from fenics_defo.scene.reducing import reduce_scene
     from fenics_defo.scene.running import simulate
+    from fenics_defo.scene.trade.driver import choose_model, is_required, tradeoff
+    from fenics_defo.scene.trade.ladder import Extent
+    from fenics_defo.scene.trade.observer import Observer
+    from fenics_defo.scene.trade.records import (
+        Candidate,
+        Measurement,
+        ModelSpec,
+        Reference,
+        Tradeoff,
+    )
     from fenics_defo.scene.watching import Watcher
 
 _HOME = {
     "Cadence": "cadence",
+    "Candidate": "trade.records",
     "Checkpoint": "checkpoint",
+    "Extent": "trade.ladder",
+    "Measurement": "trade.records",
+    "ModelSpec": "trade.records",
+    "Observer": "trade.observer",
     "Recipe": "recipe",
+    "Reference": "trade.records",
     "Scene": "records",
+    "Tradeoff": "trade.records",
     "Watcher": "watching",
     "build_initial": "building",
     "build_integrator": "building",
@@ -39,19 +56,29 @@ _HOME = {
     "build_prescribed": "building",
     "build_simulation": "building",
     "build_solid": "building",
+    "choose_model": "trade.driver",
+    "is_required": "trade.driver",
     "load_checkpoint": "checkpoint",
     "parse_scene": "parsing",
     "play": "playing",
     "read_scene": "reading",
     "reduce_scene": "reducing",
     "simulate": "running",
+    "tradeoff": "trade.driver",
 }
 
 __all__ = [
     "Cadence",
+    "Candidate",
     "Checkpoint",
+    "Extent",
+    "Measurement",
+    "ModelSpec",
+    "Observer",
     "Recipe",
+    "Reference",
     "Scene",
+    "Tradeoff",
     "Watcher",
     "build_initial",
     "build_integrator",
@@ -59,12 +86,15 @@ __all__ = [
     "build_prescribed",
     "build_simulation",
     "build_solid",
+    "choose_model",
+    "is_required",
     "load_checkpoint",
     "parse_scene",
     "play",
     "read_scene",
     "reduce_scene",
     "simulate",
+    "tradeoff",
 ]
 
 

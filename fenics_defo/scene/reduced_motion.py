@@ -60,7 +60,7 @@ class ReducedMotion:
                 iterations=iterations,
             )
         else:
-            self._body = _stepper(model, scene, q, v, self._loads.force(0.0))
+            self._body = make_stepper(model, scene, q, v, self._loads.force(0.0))
         self._balance = EnergyBalance(
             self._energies(),
             step=scene.time.step,
@@ -173,8 +173,19 @@ class ReducedMotion:
                 body.kick(momentum, load=self._loads.force(start))
 
 
-def _stepper(model: ReducedModel, scene: Scene, q: Array, v: Array, load: Array) -> Stepper:
-    """The scene's integrator on a model."""
+def make_stepper(
+    model: ReducedModel, scene: Scene, q: Array, v: Array, load: Array, *, energies: bool = True
+) -> Stepper:
+    """The scene's integrator on a model.
+
+    Args:
+        model: model.
+        scene: scene.
+        q: coordinates at the start (r,) or (b, r).
+        v: velocities there, likewise.
+        load: on them there, likewise.
+        energies: whether they are counted.
+    """
     given = scene.time
     common: dict[str, Any] = {
         "step": given.step,
@@ -182,7 +193,7 @@ def _stepper(model: ReducedModel, scene: Scene, q: Array, v: Array, load: Array)
         "q": q,
         "v": v,
         "load": load,
-        "energies": True,
+        "energies": energies,
     }
     tolerance, iterations = newton_limits(given)
     rates: dict[str, Any] = {"beta": given.beta, "gamma": given.gamma}

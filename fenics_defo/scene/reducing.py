@@ -75,43 +75,73 @@ def reduce_scene(
     with phases("read"):
         if not isinstance(scene, Scene):
             scene = read_scene(scene)
-        _check_held_still(scene)
+        check_held_still(scene)
     with phases("build"):
         solid = build_solid(scene)
         on_first_rank(solid.comm, lambda: with_our_errors(lambda: check_writable(output)))
-        _check_held_or_free(scene, solid)
+        check_held_or_free(scene, solid)
         settled = (recipe or Recipe()).settled(scene, solid)
     with phases("basis"):
-        basis = _basis(solid, settled)
+        basis = recipe_basis(solid, settled)
     training = _training(solid, basis, settled, phases) if settled.force == "cubature" else None
     with phases("force"):
-        # A body in flight moves by an implicit method in any case.
-        is_lumped = scene.time.integrator in EXPLICIT and solid.held.any()
-        mass: MassKind = "lumped" if is_lumped else "consistent"
-        with told(scene, "[[load]], [require] and [[probe]]"):
-            model = reduce(
-                solid,
-                basis,
-                settled.force,  # type: ignore[arg-type]  # the recipe has checked it
-                outputs=scene.require.outputs,
-                loads=unit_loads(scene, solid),
-                probes={probe.name: probe.point for probe in scene.probes},
-                damping=(scene.damping.mass, scene.damping.stiffness),
-                mass=mass,
-                training=training,
-            )
-    with phases("start"):
-        model = replace(
-            model,
-            loads={**model.loads, **_momenta(scene, solid, basis, mass)},
-            provenance={**model.provenance, "scene": _origin(scene, solid)},
-        )
+        model = scene_model(scene, solid, basis, settled.force, training=training, phases=phases)
     with phases("write"):
         on_first_rank(solid.comm, lambda: with_our_errors(lambda: model.save(output)))
     return model
 
 
-def _check_held_still(scene: Scene) -> None:
+def scene_model(
+    scene: Scene,
+    solid: Solid,
+    basis: Basis,
+    force: str | None,
+    *,
+    training: CubatureTraining | None = None,
+    phases: Phases | None = None,
+) -> ReducedModel:
+    """The model of a scene's body that carries all that `play` needs of the scene; collective.
+
+    Args:
+        scene: scene.
+        solid: its body.
+        basis: of the body.
+        force: one of `fenics_defo.scene.recipe.FORCES`.
+        training: of a cubature.
+        phases: stopwatch of "start".
+
+    Raises:
+        DefoError: as `reduce_scene`.
+    """
+    # A body in flight moves by an implicit method in any case.
+    is_lumped = scene.time.integrator in EXPLICIT and solid.held.any()
+    mass: MassKind = "lumped" if is_lumped else "consistent"
+    with told(scene, "[[load]], [require] and [[probe]]"):
+        model = reduce(
+            solid,
+            basis,
+            force,  # type: ignore[arg-type]  # it has been checked
+            outputs=scene.require.outputs,
+            loads=unit_loads(scene, solid),
+            probes={probe.name: probe.point for probe in scene.probes},
+            damping=(scene.damping.mass, scene.damping.stiffness),
+            mass=mass,
+            training=training,
+        )
+    with (phases or Phases())("start"):
+        return replace(
+            model,
+            loads={**model.loads, **_momenta(scene, solid, basis, mass)},
+            provenance={**model.provenance, "scene": _origin(scene, solid)},
+        )
+
+
+def check_held_still(scene: Scene) -> None:
+    """Refuse a scene that moves nodes as told.
+
+    Raises:
+        SceneError: it does.
+    """
     for number, item in enumerate(scene.fixed, 1):
         if item.displacement is not None:
             raise SceneError(
@@ -120,7 +150,12 @@ def _check_held_still(scene: Scene) -> None:
             )
 
 
-def _check_held_or_free(scene: Scene, solid: Solid) -> None:
+def check_held_or_free(scene: Scene, solid: Solid) -> None:
+    """Refuse a body that is held in part.
+
+    Raises:
+        SceneError: it is.
+    """
     motions = len(free_motions(solid))
     if motions and solid.held.any():
         raise SceneError(
@@ -130,7 +165,8 @@ def _check_held_or_free(scene: Scene, solid: Solid) -> None:
         )
 
 
-def _basis(solid: Solid, recipe: Recipe) -> Basis:
+def recipe_basis(solid: Solid, recipe: Recipe) -> Basis:
+    """The basis of a recipe that is settled; collective."""
     if recipe.basis == "snapshots":
         assert recipe.snapshots is not None  # the recipe has seen to it
         return snapshot_basis(solid, Path(recipe.snapshots), recipe.size, share=recipe.share)

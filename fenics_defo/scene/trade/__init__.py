@@ -1,0 +1,1 @@
+"""Which model a scene requires: candidates, their measurement, and the choice."""
