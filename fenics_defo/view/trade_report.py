@@ -120,7 +120,8 @@ def _answer(found: Tradeoff) -> str:
     return (
         f"<div class='answer'><b class='big'>{escape(candidate.name)}</b>"
         f"<p>Saved as <code>{escape(found.model)}</code>; step it by "
-        f"{escape(method_text(row))} with {candidate.step:.6g} s:</p><pre>{escape(_recipe(found, row))}</pre>"
+        f"{escape(method_text(row))} with {candidate.step:.6g} s:</p>"
+        f"<pre>{escape(_recipe(found, row))}</pre>"
         f"<p>{escape(_sentence(found.reason))}</p>"
         f"<dl><dt>asked for</dt><dd>error at most {percent(found.tolerance)}{default}{rate}</dd>"
         f"<dt>error</dt><dd>{percent(row.error)} at worst, {percent(row.error_rms)} root mean "
