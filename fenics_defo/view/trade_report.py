@@ -6,8 +6,18 @@ from pathlib import Path
 
 from fenics_defo.runtime import atomic_path
 from fenics_defo.scene.trade.choosing import duration, percent, step_text
-from fenics_defo.scene.trade.records import FILTER, FULL, MEASURED, PRUNED, Measurement, Tradeoff
+from fenics_defo.scene.trade.records import FILTER, Measurement, Tradeoff
 from fenics_defo.view.trade_charts import chart_png, history_png, write_picture
+from fenics_defo.view.trade_table import (
+    bytes_text,
+    left_out_html,
+    measured_rows,
+    method_text,
+    seconds_text,
+    table_html,
+    telling_rows,
+    times_text,
+)
 
 CHART, HISTORY, REPORT = "tradeoff.png", "errors.png", "report.html"
 
@@ -81,11 +91,11 @@ def report_html(found: Tradeoff, chart: bytes, history: bytes) -> str:
         "<h2>What it was held against</h2>",
         _reference(found),
         "<h2>What was measured</h2>",
-        _table(found, _telling(found)),
-        f"<details><summary>All {len(_measured(found))} that were measured</summary>",
-        _table(found, _measured(found)),
+        table_html(found, telling_rows(found)),
+        f"<details><summary>All {len(measured_rows(found))} that were measured</summary>",
+        table_html(found, measured_rows(found)),
         "</details>",
-        _left_out(found),
+        left_out_html(found),
         _notes(found),
         _scene_text(found),
         "</body></html>",
@@ -109,14 +119,16 @@ def _answer(found: Tradeoff) -> str:
     default = " (the scene names none: the default)" if found.is_default else ""
     return (
         f"<div class='answer'><b class='big'>{escape(candidate.name)}</b>"
-        f"<p>Saved as <code>{escape(found.model)}</code>; step it by {escape(_method(row))} with "
-        f"{candidate.step:.6g} s:</p><pre>{escape(_recipe(found, row))}</pre>"
+        f"<p>Saved as <code>{escape(found.model)}</code>; step it by "
+        f"{escape(method_text(row))} with {candidate.step:.6g} s:</p>"
+        f"<pre>{escape(_recipe(found, row))}</pre>"
         f"<p>{escape(_sentence(found.reason))}</p>"
         f"<dl><dt>asked for</dt><dd>error at most {percent(found.tolerance)}{default}{rate}</dd>"
         f"<dt>error</dt><dd>{percent(row.error)} at worst, {percent(row.error_rms)} root mean "
         f"square</dd><dt>a step</dt><dd>{duration(row.microseconds)} (99 of 100 within "
-        f"{duration(row.microseconds_p99)}), {_times(row.real_time)} real time</dd>"
-        f"<dt>made in</dt><dd>{_seconds(row.offline_seconds)}, {_bytes(row.model_bytes)}</dd>"
+        f"{duration(row.microseconds_p99)}), {times_text(row.real_time)} real time</dd>"
+        f"<dt>made in</dt><dd>{seconds_text(row.offline_seconds)}, "
+        f"{bytes_text(row.model_bytes)}</dd>"
         "</dl></div>"
     )
 
@@ -176,74 +188,6 @@ def _reference(found: Tradeoff) -> str:
     return f"<dl>{rows}</dl>"
 
 
-def _measured(found: Tradeoff) -> list[int]:
-    return [number for number, row in enumerate(found.rows) if row.status == MEASURED]
-
-
-def _telling(found: Tradeoff) -> list[int]:
-    """Rows that tell most: the front, the choice or the misses, the whole body."""
-    telling = {*found.front, *found.misses, *([] if found.choice is None else [found.choice])}
-    return [n for n in _measured(found) if n in telling or found.rows[n].candidate.kind == FULL]
-
-
-def _table(found: Tradeoff, numbers: list[int]) -> str:
-    head = (
-        "<th class='text'>model</th><th class='text'>method</th><th>step</th><th>error</th>"
-        "<th>rms</th><th>basis<br>at best</th><th>energy</th><th>frequency</th>"
-        "<th>a step</th><th>p99</th><th>real<br>time</th><th>batch<br>steps/s</th>"
-        "<th>made in</th><th>file</th>"
-    )
-    body = "".join(
-        _line(found, number, row) for number, row in enumerate(found.rows) if row.status == MEASURED
-    )
-    return (
-        f"<div class='scroll'><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        "</div><p class='sub'>The cheapest for one step of the scene first. \u25cb: on the front. "
-        "Errors are relative to the reference's largest.</p>"
-    )
-
-
-def _line(found: Tradeoff, number: int, row: Measurement) -> str:
-    classes = ["chosen"] if number == found.choice else []
-    classes += ["front"] if number in found.front else []
-    judged = "good" if row.error is not None and row.error <= found.tolerance else "bad"
-    batch = "-" if row.batch_rate is None else f"{row.batch_rate:,.0f}"
-    made = "-" if row.candidate.kind == FULL else _seconds(row.offline_seconds)
-    cells = [
-        f"<td class='text'>{escape(row.candidate.name)}</td>",
-        f"<td class='text'>{escape(_method(row))}</td>",
-        f"<td>{duration(1e6 * row.candidate.step)}</td>",
-        f"<td class='{judged}'>{percent(row.error)}</td>",
-        *(
-            f"<td>{percent(value)}</td>"
-            for value in (row.error_rms, row.best_error, row.energy_error, row.frequency_error)
-        ),
-        f"<td>{duration(row.microseconds)}</td><td>{duration(row.microseconds_p99)}</td>",
-        f"<td>{_times(row.real_time)}</td><td>{batch}</td>",
-        f"<td>{made}</td><td>{_bytes(row.model_bytes)}</td>",
-    ]
-    return f"<tr class='{' '.join(classes)}'>{''.join(cells)}</tr>"
-
-
-def _left_out(found: Tradeoff) -> str:
-    rest = [row for row in found.rows if row.status != MEASURED]
-    if not rest:
-        return ""
-    reasons: dict[tuple[str, str], str] = {}
-    for row in rest:
-        # One line for all steps and methods of a model that have the same reason.
-        what = row.candidate.model.name if row.candidate.model else row.candidate.name
-        if row.status != PRUNED:
-            what = f"{row.candidate.name}, {_method(row)}, step {step_text(row)}"
-        reasons[what, row.reason] = "left out" if row.status == PRUNED else "failed"
-    lines = "".join(
-        f"<tr><td class='text'>{escape(what)}</td><td class='text'>{state}</td>"
-        f"<td class='text' style='white-space: normal'>{escape(reason)}</td></tr>"
-        for (what, reason), state in reasons.items()
-    )
-    return f"<h2>What was not measured, and why</h2><table><tbody>{lines}</tbody></table>"
-
-
 def _notes(found: Tradeoff) -> str:
     text = [
         "The error is the norm of the difference of displacements, weighed by the mass at the "
@@ -274,14 +218,9 @@ def _scene_text(found: Tradeoff) -> str:
 
 def _short(row: Measurement) -> str:
     return escape(
-        f"{row.candidate.name}, {_method(row)}, step {step_text(row)}: error "
+        f"{row.candidate.name}, {method_text(row)}, step {step_text(row)}: error "
         f"{percent(row.error)}, {duration(row.microseconds)} a step"
     )
-
-
-def _method(row: Measurement) -> str:
-    names = {"exact": "the exact filter", "static": "load steps"}
-    return names.get(row.candidate.integrator, row.candidate.integrator)
 
 
 def _image(png: bytes, what: str) -> str:
@@ -291,21 +230,3 @@ def _image(png: bytes, what: str) -> str:
 
 def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + "."
-
-
-def _times(value: float | None) -> str:
-    return "-" if value is None else f"{value:,.3g} ×" if value < 1000 else f"{value:,.0f} ×"
-
-
-def _seconds(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g} s"
-
-
-def _bytes(value: int | None) -> str:
-    return (
-        "-"
-        if value is None
-        else f"{value / 1e3:,.3g} kB"
-        if value < 1e6
-        else (f"{value / 1e6:,.3g} MB")
-    )
