@@ -62,7 +62,7 @@ class Size:
 
 
 FULL = Size(0.008, 512, 12, 35, 200, 4)
-QUICK = Size(0.016, 32, 8, 16, 24, 2)
+QUICK = Size(0.016, 32, 6, 24, 24, 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -235,7 +235,7 @@ def draw(results: dict[str, Any]) -> Any:
     """The rims of all bodies over time, and the error of the one that was simulated fully."""
     figure, (above, below) = common.new_figure(2, 1, (8.0, 6.5))
     full, rims = results["full rim"], 1e3 * results["rim"][:, :, 0]
-    above.plot(full.times, rims[:, 1:], color="C0", lw=0.4, alpha=0.12)
+    above.plot(full.times, rims[:, 1:], color="C0", lw=0.4, alpha=0.2)
     above.plot(full.times, 1e3 * full.watched[:, 0], "k", lw=3, zorder=3, label="one, full")
     above.plot(full.times, rims[:, 0], "C1", lw=1.2, zorder=4, label="the same in the batch")
     above.set_ylabel("a point of the rim along x [mm]")
