@@ -55,14 +55,15 @@ lint: $(stamp)  ## ruff, its formatting, and mypy
 	@$(bin)/ruff format --check .
 	@$(bin)/mypy
 
-bare: $(stamp)  ## install without extras, elsewhere, and import the runtime there
+bare: $(stamp)  ## install without extras, elsewhere, and run a model there
 	@rm -rf .cache/bare
 	@$(bin)/uv venv --quiet --python $(bin)/python .cache/bare
 	@$(bin)/uv pip install --quiet --python .cache/bare/bin/python \
 	    --constraints constraints.txt --build-constraints constraints.txt .
-	@cd .cache && bare/bin/python -W error -c "import fenics_defo, fenics_defo.runtime"
+	@$(bin)/python -W error tools/small_model.py .cache/bare/model.npz
+	@cd .cache && bare/bin/python -W error -I ../tools/run_model.py bare/model.npz
 	@test "$$($(bin)/uv pip list --quiet --python .cache/bare/bin/python --format freeze | wc -l)" = 2
-	@echo "fenics_defo's runtime imports beside NumPy alone"
+	@echo "a reduced model ran beside NumPy alone"
 
 format: $(stamp)  ## let ruff lay out and sort
 	@$(bin)/ruff check --fix-only --quiet .

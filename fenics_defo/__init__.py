@@ -8,7 +8,17 @@ from types import ModuleType
 
 __version__ = "0.1.0.dev0"
 
-_SUBPACKAGES = ("analysis", "beams", "energy", "errors", "fem", "runtime", "scene", "view")
+_SUBPACKAGES = (
+    "analysis",
+    "beams",
+    "energy",
+    "errors",
+    "fem",
+    "reduction",
+    "runtime",
+    "scene",
+    "view",
+)
 
 __all__ = ["__version__", *_SUBPACKAGES]
 

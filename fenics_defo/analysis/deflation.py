@@ -20,9 +20,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.analysis.davidson import BLOCK, RoughPreconditionerError, block_davidson
+from fenics_defo.analysis.davidson import (
+    BLOCK,
+    RoughPreconditionerError,
+    SearchedProblem,
+    block_davidson,
+)
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
 from fenics_defo.analysis.phases import Phases
+from fenics_defo.analysis.ritz_space import combined
 from fenics_defo.analysis.stability import not_stable
 from fenics_defo.errors import SolverError
 from fenics_defo.fem.compat import PETSc
@@ -186,18 +192,22 @@ class Deflation:
         def precondition(block: Array) -> Array:
             if not vectors.shape[1]:
                 return solver.solve(block)
-            loads = block - momenta @ problem.products(vectors, block)
-            answer = solver.solve(np.asfortranarray(loads))
-            return np.asfortranarray(answer - vectors @ problem.products(momenta, answer))
+            loads = block - combined(momenta, problem.products(vectors, block))
+            answer = solver.solve(loads)
+            return answer - combined(vectors, problem.products(momenta, answer))
 
-        found = block_davidson(
-            precondition,
-            lambda block: multiply(problem.stiffness, block),
-            problem.mass.multiply,
-            lambda: problem.random_block(rng, width),
-            count,
+        searched = SearchedProblem(
+            precondition=precondition,
+            multiply=lambda block: problem.pencil.multiply(block, shift=problem.shift),
+            residuals=lambda block, values: problem.pencil.residuals(block, values + problem.shift),
+            mass=problem.mass.multiply,
+            random=lambda: problem.random_block(rng, width),
             comm=problem.comm,
             independent=self.remaining,
+        )
+        found = block_davidson(
+            searched,
+            count,
             guard=min(guard, self.remaining - count),
             tolerance=tolerance,
             roughest=roughest,

@@ -10,8 +10,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from fenics_defo.fem.linalg import Factorization, multiply
+from fenics_defo.analysis.ritz_space import combined
+from fenics_defo.fem.linalg import Factorization
 from fenics_defo.fem.mass import ConsistentMass
+from fenics_defo.fem.pencil import Pencil
 
 Array = NDArray[np.float64]
 
@@ -48,9 +50,9 @@ class Pairs:
         """Vectors combined by an orthogonal matrix (k, k) that mixes equal eigenvalues only."""
         return Pairs(
             self.values,
-            np.asfortranarray(self.vectors @ rotation),
-            self.forces @ rotation,
-            self.momenta @ rotation,
+            combined(self.vectors, rotation),
+            combined(self.forces, rotation),
+            combined(self.momenta, rotation),
             self.converged,
         )
 
@@ -62,6 +64,7 @@ class EigenProblem:
     Args:
         stiffness: K [N/m], held rows with a positive diagonal.
         mass: M.
+        pencil: products with both.
         shift: σ [rad²/s²], at or below the wanted λ.
         definite: whether K - σ M is known to be positive definite.
         independent: number of components that are not held.
@@ -70,6 +73,7 @@ class EigenProblem:
 
     stiffness: PETSc.Mat
     mass: ConsistentMass
+    pencil: Pencil
     shift: float
     definite: bool
     independent: int
@@ -108,13 +112,11 @@ class EigenProblem:
     def ritz(self, vectors: Array, *, converged: int) -> Pairs:
         """Best pairs in the space of some vectors that are nearly orthonormal in M; collective."""
         vectors = np.asfortranarray(vectors)
-        forces, momenta = multiply(self.stiffness, vectors), self.mass.multiply(vectors)
-        values, turn = scipy.linalg.eigh(
-            self.products(vectors, forces), self.products(vectors, momenta)
-        )
-        return Pairs(
-            values, np.asfortranarray(vectors @ turn), forces @ turn, momenta @ turn, converged
-        )
+        both, count = self.pencil.multiply(vectors), vectors.shape[1]
+        stiffness, mass = np.hsplit(self.products(vectors, both), 2)
+        values, turn = scipy.linalg.eigh(stiffness, mass)
+        forces, momenta = (combined(part, turn) for part in (both[:, :count], both[:, count:]))
+        return Pairs(values, combined(vectors, turn), forces, momenta, converged)
 
     def residuals(self, pairs: Pairs, floor: float) -> Array:
         """‖K x - λ M x‖ / (max(λ, floor) ‖M x‖) of each pair (k,) [-]; collective."""

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.analysis.checks import checked_pairs
-from fenics_defo.analysis.deflation import Deflation, orthonormal_in_mass
+from fenics_defo.analysis.deflation import Deflation
 from fenics_defo.analysis.eigenpairs import EigenProblem, Pairs
+from fenics_defo.analysis.free_motions import deflated, free_motions, strains_nothing
 from fenics_defo.analysis.inertia import Inertia, body_inertia
 from fenics_defo.analysis.phases import Phases
-from fenics_defo.analysis.rigid import strainless_motions, supports
 from fenics_defo.analysis.search import Search, Solver
 from fenics_defo.analysis.spectrum import quadratic_fields, signs
 from fenics_defo.analysis.stability import check_unstressed
@@ -81,7 +81,7 @@ def linear_modes(
     _check_arguments(solid, displacement, solver, residual_tolerance, cluster_tolerance, seed)
     with ExitStack() as stack:
         with phases("assemble"):
-            motions = _strainless(solid, displacement)
+            motions = free_motions(solid, displacement)
             limit = int(np.count_nonzero(~solid.held & solid.nodes.carried[:, None]))
             limit -= 0 if keep_rigid else len(motions)
             if limit == 0:
@@ -143,13 +143,6 @@ def _check_arguments(
             raise DefoError("displacement must be finite, got NaN or infinity")
 
 
-def _strainless(solid: Solid, displacement: Array | None) -> Array:
-    """Motions (k, n, 3) without stiffness at rest; about a deformed state, which may have some."""
-    points = solid.points if displacement is None else solid.points + displacement
-    corners = 4 if solid.nodes.cell_type.startswith("tetra") else 8
-    return strainless_motions(points, solid.cells, corners, solid.held)
-
-
 @dataclass(frozen=True, slots=True)
 class _Body:
     """A body ready for the search.
@@ -182,6 +175,7 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
     problem = EigenProblem(
         stiffness=stiffness,
         mass=assembly.mass,
+        pencil=assembly.pencil(stiffness),
         shift=0.0,
         definite=rest and solid.is_isotropic_at_rest,
         independent=int(solid.comm.allreduce(int(free.sum()))),
@@ -190,26 +184,14 @@ def _assemble(stack: ExitStack, solid: Solid, displacement: Array | None, motion
     points = solid.points if displacement is None else solid.points + displacement
     node_mass = solid.lumped_mass()
     fields = _polynomials(solid, points, node_mass, problem)
-    deflation, scale = _deflation(solid, problem, motions), 0.0
+    deflation, scale = deflated(solid, problem, motions), 0.0
     if displacement is not None:
         scale = _first_elastic(problem, fields, len(motions))
-        if not _strains_nothing(deflation, solid, displacement):
+        if not strains_nothing(deflation, solid, displacement):
             # Loads that keep their direction give the motions a stiffness, as to a pendulum.
             shifted = replace(problem, shift=-_SHIFT * scale)
-            deflation = _deflation(solid, shifted, motions[:0])
+            deflation = deflated(solid, shifted, motions[:0])
     return _Body(solid, deflation, body_inertia(solid), node_mass, scale, fields)
-
-
-def _strains_nothing(deflation: Deflation, solid: Solid, displacement: Array) -> bool:
-    """Whether the motions are without stiffness but for round-off, that of F = I + ∇u included."""
-    problem, size = deflation.problem, float(np.ptp(solid.points, axis=0).max())
-    cell = size / len(solid.cells) ** (1.0 / 3.0)
-    digits = 1.0 + (size + float(np.abs(displacement).max())) / cell
-    diagonal = problem.stiffness.getDiagonal()
-    terms = problem.norms(diagonal.array[:, None] * deflation.motions)
-    diagonal.destroy()
-    forces = problem.norms(multiply(problem.stiffness, deflation.motions))
-    return bool((forces <= 100.0 * digits * np.finfo(float).eps * terms).all())
 
 
 def _polynomials(solid: Solid, points: Array, node_mass: Array, problem: EigenProblem) -> Array:
@@ -222,16 +204,6 @@ def _polynomials(solid: Solid, points: Array, node_mass: Array, problem: EigenPr
     norms = problem.norms(fields * np.sqrt(masses)[:, None])
     fields /= np.where(norms > 0.0, norms, 1.0)
     return fields
-
-
-def _deflation(solid: Solid, problem: EigenProblem, motions: Array) -> Deflation:
-    owned, rows = solid.assembly.owned, len(problem.free)
-    local = np.zeros((rows, len(motions)), order="F")
-    for column, motion in zip(local.T, motions, strict=True):
-        column[:] = solid.nodes.scatter(motion)[:owned].ravel()
-    springs = supports(motions, ~solid.held & solid.nodes.carried[:, None])
-    held_by = solid.nodes.scatter(springs.astype(np.float64))[:owned].ravel() > 0.0
-    return Deflation(problem, *orthonormal_in_mass(problem, local), held_by)
 
 
 def _first_elastic(problem: EigenProblem, fields: Array, rigid: int) -> float:

@@ -1,4 +1,4 @@
-"""``fenics-defo``: scenes simulated, and what files of ours hold."""
+"""``fenics-defo``: scenes simulated, reduced and played, and what files of ours hold."""
 
 import sys
 import time
@@ -6,29 +6,33 @@ from argparse import Namespace
 
 from fenics_defo import __version__
 from fenics_defo.cli.command import Parser, Run, number, run
+from fenics_defo.cli.reduce_options import add_play, add_reduce
 from fenics_defo.cli.simulate_options import add_simulate
 
 
 def build_parser() -> Parser:
     """Return the parser of the command line."""
-    parser = Parser(prog="fenics-defo", description="Deformable solids: simulation, files.")
+    parser = Parser(prog="fenics-defo", description="Deformable solids: simulation, models, files.")
     parser.add_argument("--version", action="version", version=f"fenics_defo {__version__}")
     commands = parser.add_subparsers(
         title="commands", dest="command", metavar="COMMAND", required=True, parser_class=Parser
     )
     add_simulate(commands)
-    what = "what a mesh, a file of modes, a scene or a folder of results holds"
+    add_reduce(commands)
+    add_play(commands)
+    what = "what a mesh, a file of modes, a model, a scene or a folder of results holds"
     info = commands.add_parser(
         "info",
         help=what,
         description=f"Tell {what}.\n\n"
         "Of a mesh: nodes, cells, size, volume, groups, materials, pieces, quality of the\n"
-        "cells, and what reading changed or noticed. Of modes: their table. Of a scene: what it\n"
-        "asks for. Of a folder of results: its summary.",
+        "cells, and what reading changed or noticed. Of modes: their table. Of a model: its size,\n"
+        "forces, and what it was made from. Of a scene: what it asks for. Of a folder of\n"
+        "results: its summary.",
         epilog="Examples\n  fenics-defo info bracket.step --size 0.004\n"
         "  fenics-defo info modes.npz --json",
     )
-    info.add_argument("file", metavar="FILE", help="mesh, modes.npz, scene, or folder of results")
+    info.add_argument("file", metavar="FILE", help="mesh, modes, model, scene, or folder")
     info.add_argument(
         "--size",
         type=number,
@@ -50,9 +54,8 @@ def main(argv: list[str] | None = None) -> int:
     except SystemExit as leaving:  # --help, --version, or an error already told
         return int(leaving.code or 0)
     begin = time.perf_counter()
-    if options.command == "simulate":
-        return run("fenics-defo", lambda current: _simulate(options, current, begin))
-    return run("fenics-defo", lambda current: _tell_content(options, current))
+    work = {"simulate": _simulate, "reduce": _reduce, "play": _play, "info": _tell_content}
+    return run("fenics-defo", lambda current: work[options.command](options, current, begin))
 
 
 def _simulate(options: Namespace, current: Run, begin: float) -> None:
@@ -67,7 +70,30 @@ def _simulate(options: Namespace, current: Run, begin: float) -> None:
         simulate_and_print(options, current, progress, begin)
 
 
-def _tell_content(options: Namespace, current: Run) -> None:
+def _reduce(options: Namespace, current: Run, begin: float) -> None:
+    from fenics_defo.cli.output import libraries_on_stderr, loading_libraries
+    from fenics_defo.cli.progress import progress_shown
+
+    with progress_shown(show=current.is_first) as progress:
+        progress.start("load")
+        with libraries_on_stderr(), loading_libraries():
+            from fenics_defo.cli.reduce_run import reduce_and_print
+        reduce_and_print(options, current, progress, begin)
+
+
+def _play(options: Namespace, current: Run, begin: float) -> None:
+    if not current.is_first:  # started by mpiexec: a model needs one process
+        return
+    from fenics_defo.cli.progress import progress_shown
+
+    with progress_shown(show=True) as progress:
+        progress.start("load")
+        from fenics_defo.cli.play_run import play_and_print  # NumPy and nothing else
+
+        play_and_print(options, current, progress, begin)
+
+
+def _tell_content(options: Namespace, current: Run, _begin: float) -> None:
     if not current.is_first:  # started by mpiexec: nothing here needs several processes
         return
     # Late imports: they load NumPy and, for a mesh, DOLFINx and its company.

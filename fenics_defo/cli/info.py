@@ -1,24 +1,27 @@
-"""What a file or folder holds: modes, a mesh, a scene, results."""
+"""What a file or folder holds: modes, a model, a mesh, a scene, results."""
 
 import json
 import sys
 from pathlib import Path
 
+from fenics_defo.cli.model_info import model_record, model_text
 from fenics_defo.cli.modes_info import modes_record, modes_text
 from fenics_defo.cli.output import can_style, libraries_on_stderr, loading_libraries, write_text
 from fenics_defo.cli.progress import Progress
 from fenics_defo.cli.results_info import results_record
 from fenics_defo.cli.simulate_report import summary_text
-from fenics_defo.runtime import load_modes
+from fenics_defo.runtime import load, load_modes
+from fenics_defo.runtime.archive import archive_kind
+from fenics_defo.runtime.model_file import KIND as MODEL_KIND
 
 _ZIP = b"PK\x03\x04"  # how an .npz file begins
 
 
 def print_info(file: str, *, size: float | None, as_json: bool, progress: Progress) -> None:
-    """Print what ``file`` holds; a file of modes needs NumPy only.
+    """Print what ``file`` holds; a file of modes or a model needs NumPy only.
 
     Args:
-        file: mesh, modes, scene, or the folder of a simulation's results.
+        file: mesh, modes, model, scene, or the folder of a simulation's results.
         size: edge length of the tetrahedra that fill a surface or solid [m].
         as_json: print one JSON object.
         progress: display to be taken away before printing.
@@ -37,6 +40,9 @@ def print_info(file: str, *, size: float | None, as_json: bool, progress: Progre
 
             record = scene_record(file)
             text = "" if as_json else scene_text(record)
+        elif _is_archive(file) and archive_kind(file) == MODEL_KIND:
+            record = model_record(file, load(file))
+            text = "" if as_json else model_text(record)
         elif _is_archive(file):
             modes = load_modes(file)
             record = modes_record(file, modes)

@@ -2,19 +2,17 @@
 
 import json
 import sys
-import time
 from argparse import Namespace
 from typing import Any
 
-from fenics_defo.analysis import Phases
 from fenics_defo.cli.command import Run
 from fenics_defo.cli.kernels import no_unfinished_kernels
 from fenics_defo.cli.output import libraries_on_stderr, write_text
 from fenics_defo.cli.progress import Progress
 from fenics_defo.cli.ranks import Ranks
 from fenics_defo.cli.simulate_report import summary_text
-from fenics_defo.errors import DefoError, DivergenceError
-from fenics_defo.scene import Cadence, Watcher, read_scene, simulate
+from fenics_defo.cli.watched import watched
+from fenics_defo.scene import Cadence, read_scene, simulate
 
 
 def simulate_and_print(options: Namespace, current: Run, progress: Progress, begin: float) -> None:
@@ -47,26 +45,20 @@ def simulate_and_print(options: Namespace, current: Run, progress: Progress, beg
 def _simulated(
     scene: Any, options: Namespace, current: Run, progress: Progress, begin: float
 ) -> dict[str, Any]:
-    def enter(phase: str) -> None:
-        current.go_on()
-        progress.start(phase)
-
-    def moved(done: int, total: int, now: float) -> None:
-        duration = scene.time.duration
-        progress.move(done / total, f"simulate {now:.4g} s of {duration:.4g} s")
-
     steps, seconds = options.checkpoint_every
-    phases = Phases(on_start=enter, seconds={"load": time.perf_counter() - begin})
-    with current.interrupts_wait() as asked:
-        try:
-            return simulate(
-                scene,
-                options.output,
-                restart=options.restart,
-                overwrite=options.overwrite,
-                checkpoints=Cadence(steps=steps, seconds=seconds),
-                watcher=Watcher(phases=phases, moved=moved, stop=asked),
-            )
-        except DivergenceError as error:
-            told = str(error).rstrip(".")
-            raise DefoError(f"{told}. {options.output} holds all until then.") from error
+    with watched(
+        scene.time.duration,
+        options.output,
+        current=current,
+        progress=progress,
+        begin=begin,
+        verb="simulate",
+    ) as watcher:
+        return simulate(
+            scene,
+            options.output,
+            restart=options.restart,
+            overwrite=options.overwrite,
+            checkpoints=Cadence(steps=steps, seconds=seconds),
+            watcher=watcher,
+        )

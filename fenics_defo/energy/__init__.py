@@ -16,6 +16,7 @@ from fenics_defo.energy.kinematics import (
 from fenics_defo.energy.law import Law
 from fenics_defo.energy.mass_spring import MassSpring
 from fenics_defo.energy.material import IsotropicMaterial, Material, cell_count
+from fenics_defo.energy.material_laws import material_law
 from fenics_defo.energy.materials import LinearElastic, MooneyRivlin, NeoHookean, StVenantKirchhoff
 from fenics_defo.energy.point_law import PointLaw
 from fenics_defo.energy.rest_state import RestState, linear_moduli, rest_state
@@ -52,6 +53,7 @@ __all__ = [
     "isochoric_invariants",
     "linear_moduli",
     "material_from_table",
+    "material_law",
     "read_materials",
     "rest_state",
     "right_cauchy_green",

@@ -55,13 +55,13 @@ class Program:
 
     def __init__(self, expressions: Sequence[Expr], symbols: Sequence[Expr]) -> None:
         self._symbols = list(symbols)
-        places = {_key(symbol): place for place, symbol in enumerate(symbols)}
+        places = {node_key(symbol): place for place, symbol in enumerate(symbols)}
         self._roots = [apply_derivatives(apply_algebra_lowering(e)) for e in expressions]
         self._constants: dict[int, Array] = {}
         self._steps: list[tuple[int, Callable[[list[Array]], Array], list[int]]] = []
         for root in self._roots:
             self._plan(root, places)
-        self._results = [places[_key(root)] for root in self._roots]
+        self._results = [places[node_key(root)] for root in self._roots]
         self._size = len(places)
 
     def _plan(self, root: Expr, places: dict[Expr, int]) -> None:
@@ -69,20 +69,22 @@ class Program:
         stack = [root]
         while stack:
             node = stack[-1]
-            children = _children(node)
-            if _key(node) in places:
+            children = node_children(node)
+            if node_key(node) in places:
                 stack.pop()
-            elif waiting := [child for child in children if _key(child) not in places]:
+            elif waiting := [child for child in children if node_key(child) not in places]:
                 stack.extend(waiting)
             else:
-                place = places[_key(node)] = len(places)
-                operands = [places[_key(child)] for child in children]
+                place = places[node_key(node)] = len(places)
+                operands = [places[node_key(child)] for child in children]
                 if all(operand in self._constants for operand in operands):
                     with np.errstate(all="ignore"):
-                        value = _rule(node)([self._constants[operand] for operand in operands])
+                        value = node_rule(node, FUNCTIONS)(
+                            [self._constants[operand] for operand in operands]
+                        )
                     self._constants[place] = value
                 else:
-                    self._steps.append((place, _rule(node), operands))
+                    self._steps.append((place, node_rule(node, FUNCTIONS), operands))
 
     def __call__(self, *values: ArrayLike) -> list[NDArray[np.float64]]:
         """Value of each expression at b points, for values of the symbols in their order.
@@ -112,7 +114,7 @@ def _broadcast(value: Array | None, shape: tuple[int, ...]) -> NDArray[np.float6
     return np.broadcast_to(value.astype(np.float64, copy=False), shape)
 
 
-def _key(node: Expr) -> Expr:
+def node_key(node: Expr) -> Expr:
     """What a node is bound by: lowering may rewrite what is inside a variable, not its label."""
     return node.label() if isinstance(node, nodes.Variable) else node
 
@@ -122,16 +124,27 @@ def _batch(symbol: Expr, value: ArrayLike) -> Array:
     return array[np.newaxis] if array.ndim == len(symbol.ufl_shape) else array
 
 
-def _children(node: Expr) -> list[Expr]:
+def node_children(node: Expr) -> list[Expr]:
     """Operands that have a value."""
     return [c for c in node.ufl_operands if not isinstance(c, nodes.MultiIndex | nodes.Label)]
 
 
-def _rule(node: Expr) -> Callable[[list[Array]], Array]:
-    """What computes ``node`` from its operands' values."""
-    function, rule = _FUNCTIONS.get(type(node)), _RULES.get(type(node))
+def node_rule(
+    node: Expr, functions: Mapping[type[Expr], Callable[..., Array]]
+) -> Callable[[list[Array]], Array]:
+    """What computes ``node`` from its operands' values.
+
+    Args:
+        node: of an expression without derivatives.
+        functions: what computes the values of each kind of node, entry by entry; what only moves
+            entries is known.
+
+    Raises:
+        MaterialError: the node has no value at a point, or is not known.
+    """
+    function, rule = functions.get(type(node)), _RULES.get(type(node))
     if function is not None:
-        if any(child.ufl_free_indices for child in _children(node)):
+        if any(child.ufl_free_indices for child in node_children(node)):
             return partial(_aligned, function, node)
         return lambda operands: function(*operands)
     if rule is None:
@@ -146,7 +159,7 @@ def _aligned(function: Callable[..., Array], node: Expr, operands: list[Array]) 
     """Function of scalars, or of tensors of one shape, with their free indices."""
     target = node.ufl_free_indices
     aligned = []
-    for child, array in zip(_children(node), operands, strict=True):
+    for child, array in zip(node_children(node), operands, strict=True):
         shape_axes = [slice(None)] * (1 + len(child.ufl_shape))
         free_axes = [slice(None) if i in child.ufl_free_indices else None for i in target]
         aligned.append(array[(*shape_axes, *free_axes)])
@@ -177,11 +190,6 @@ def _identity(node: Expr, _: list[Array]) -> Array:
 
 def _operand(_: Expr, operands: list[Array]) -> Array:
     return operands[0]
-
-
-def _condition(function: Callable[..., Array]) -> Callable[[Expr, list[Array]], Array]:
-    """Rule of a condition: UFL allows scalars without free indices only."""
-    return lambda _, operands: function(*operands)
 
 
 def _conditional(_: Expr, operands: list[Array]) -> Array:
@@ -237,19 +245,10 @@ _RULES: dict[type[Expr], Callable[[Expr, list[Array]], Array]] = {
     nodes.ComponentTensor: _component_tensor,
     nodes.ListTensor: _list_tensor,
     nodes.Conditional: _conditional,
-    nodes.NotCondition: _condition(np.logical_not),
-    nodes.AndCondition: _condition(np.logical_and),
-    nodes.OrCondition: _condition(np.logical_or),
-    nodes.EQ: _condition(np.equal),
-    nodes.NE: _condition(np.not_equal),
-    nodes.LT: _condition(np.less),
-    nodes.GT: _condition(np.greater),
-    nodes.LE: _condition(np.less_equal),
-    nodes.GE: _condition(np.greater_equal),
 }
 
 #: Functions of each entry; operands of one shape.
-_FUNCTIONS: dict[type[Expr], Callable[..., Array]] = {
+FUNCTIONS: dict[type[Expr], Callable[..., Array]] = {
     nodes.Sum: np.add,
     nodes.Product: np.multiply,
     nodes.Division: np.divide,
@@ -270,4 +269,13 @@ _FUNCTIONS: dict[type[Expr], Callable[..., Array]] = {
     nodes.Sinh: np.sinh,
     nodes.Cosh: np.cosh,
     nodes.Tanh: np.tanh,
+    nodes.NotCondition: np.logical_not,  # of scalars, without free indices
+    nodes.AndCondition: np.logical_and,
+    nodes.OrCondition: np.logical_or,
+    nodes.EQ: np.equal,
+    nodes.NE: np.not_equal,
+    nodes.LT: np.less,
+    nodes.GT: np.greater,
+    nodes.LE: np.less_equal,
+    nodes.GE: np.greater_equal,
 }

@@ -18,13 +18,30 @@ def right_cauchy_green(F: Expr) -> Expr:
 
 
 def green_lagrange(F: Expr) -> Expr:
-    """E = (Fᵀ F − I)/2 (3, 3) [-], zero under any rigid motion."""
-    return (right_cauchy_green(F) - ufl.Identity(3)) / 2
+    """E = (Fᵀ F − I)/2 (3, 3) [-], zero under any rigid motion.
+
+    Of F = I + H written as such, as sym H + Hᵀ H/2: strains of 1e-6 then keep all their digits.
+    """
+    H = _displacement_gradient(F)
+    if H is None:
+        return (right_cauchy_green(F) - ufl.Identity(3)) / 2
+    return ufl.sym(H) + H.T * H / 2
 
 
 def small_strain(F: Expr) -> Expr:
-    """ε = sym(F) − I (3, 3) [-], zero under small rotations only."""
-    return ufl.sym(F) - ufl.Identity(3)
+    """ε = sym(F) − I (3, 3) [-], zero under small rotations only; of F = I + H, sym H."""
+    H = _displacement_gradient(F)
+    return ufl.sym(F) - ufl.Identity(3) if H is None else ufl.sym(H)
+
+
+def _displacement_gradient(F: Expr) -> Expr | None:
+    """H where F is the sum I + H; None where it is anything else, a variable too."""
+    if isinstance(F, ufl.classes.Sum):
+        first, second = F.ufl_operands
+        for one, other in ((first, second), (second, first)):
+            if isinstance(one, ufl.classes.Identity):
+                return other
+    return None
 
 
 def invariants(F: Expr) -> tuple[Expr, Expr, Expr]:

@@ -15,6 +15,8 @@ from fenics_defo.fem.forms import BodyForms
 from fenics_defo.fem.jit import compiled
 from fenics_defo.fem.mass import ConsistentMass, Entries
 from fenics_defo.fem.parts import Part
+from fenics_defo.fem.pencil import Pencil
+from fenics_defo.fem.tangent_derivative import add_tangent_derivatives
 from fenics_defo.fem.ufl_part import add_form
 
 Array = NDArray[np.float64]
@@ -149,6 +151,19 @@ class Assembly:
         self._blocks.write(matrix, self._held_blocks, diagonal=diagonal)
         return self._finished_force()
 
+    def fill_tangent_derivative(self, matrix: PETSc.Mat, local: Array, direction: Array) -> None:
+        """Overwrite a matrix from `empty_matrix` with d/ds K(u + s d) at s = 0, held rows zero.
+
+        Collective.
+
+        Args:
+            matrix: from `empty_matrix` of this body, whatever its values.
+            local: u (d, 3) [m].
+            direction: d (d, 3), zero at held components.
+        """
+        add_tangent_derivatives(self._parts, local, direction, self._blocks, self.comm)
+        self._blocks.write(matrix, self._held_blocks, diagonal=0.0)
+
     def _add_tangents(self, local: Array, force: Array | None) -> None:
         self._present = local
         self._blocks.clear()
@@ -207,6 +222,10 @@ class Assembly:
             diagonal: entry of the held rows.
         """
         return self._matrix(local, self._held_blocks, diagonal)
+
+    def pencil(self, stiffness: PETSc.Mat) -> Pencil:
+        """Products with a matrix from `stiffness_matrix`, while it lives, and with the mass."""
+        return Pencil(self._blocks, stiffness, self.mass)
 
     def _matrix(self, local: Array | None, held: HeldBlocks | None, diagonal: float) -> PETSc.Mat:
         if local is None:

@@ -30,7 +30,9 @@ class BlockMatrix:
     def __init__(self, form: "dolfinx.fem.Form", nodes: NDArray[np.int32]) -> None:
         self._csr = dolfinx.fem.create_matrix(form)
         assert self._csr.block_size == [3, 3]
-        self._rows, self._columns = self._csr.index_map(0), self._csr.index_map(1)
+        #: DOLFINx's map of the nodes in columns, ghosts included.
+        self.columns = self._csr.index_map(1)
+        self._rows = self._csr.index_map(0)
         self.owned = self._rows.size_local
         indptr, indices = np.asarray(self._csr.indptr), np.asarray(self._csr.indices)
         self._indptr, self._indices = indptr[: self.owned + 1], indices[: indptr[self.owned]]
@@ -49,7 +51,7 @@ class BlockMatrix:
         """Owned rows' blocks in PETSc's order: in this rank's columns, then in others'."""
         own = self._indices < self.owned
         other = np.flatnonzero(~own)
-        columns = self._columns.local_to_global(self._indices[other])
+        columns = self.columns.local_to_global(self._indices[other])
         by_column = np.lexsort((columns, self._row_of_blocks[other]))
         return np.flatnonzero(own).astype(np.int32), other[by_column].astype(np.int32)
 
@@ -73,10 +75,10 @@ class BlockMatrix:
     def empty(self) -> PETSc.Mat:
         """A symmetric matrix of PETSc's with this pattern and zeros; the caller's; collective."""
         size = (3 * self._rows.size_local, 3 * self._rows.size_global)
-        columns = self._columns.local_to_global(self._indices).astype(PETSc.IntType)
+        columns = self.columns.local_to_global(self._indices).astype(PETSc.IntType)
         csr = (self._indptr.astype(PETSc.IntType), columns, np.zeros(9 * len(columns)))
         matrix = PETSc.Mat().createBAIJ((size, size), bsize=3, csr=csr, comm=self._rows.comm)
-        matrix.setLGMap(*(self._numbers_on_all_ranks(map_) for map_ in (self._rows, self._columns)))
+        matrix.setLGMap(*(self._numbers_on_all_ranks(map_) for map_ in (self._rows, self.columns)))
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, True)
         return matrix
@@ -106,6 +108,22 @@ class BlockMatrix:
             write_blocks(chosen, self.values, target, add=add)
         mark_changed(matrix)
 
+    def local_rows(self, matrix: PETSc.Mat) -> tuple[NDArray[np.int64], Blocks, Array]:
+        """Owned rows of a matrix from `empty`: their first entries, nodes of columns, values.
+
+        Returns:
+            (owned + 1,) where each row begins; (b,) columns by `columns`, ghosts included; (b, 9)
+            blocks, each stored column by column, on one rank PETSc's own.
+        """
+        first, indices = self._pattern
+        own, other = self._petsc_values(matrix)
+        values = own
+        if len(other):
+            values = np.empty((len(self._indices), 9))
+            for chosen, source in zip(self._chosen, (own, other), strict=True):
+                values[chosen] = source
+        return first[: self.owned + 1], indices[: len(self._indices)], values
+
     def diagonal_blocks(self, matrix: PETSc.Mat) -> Array:
         """(owned, 3, 3) diagonal blocks of a symmetric matrix from `empty`."""
         own, _ = self._petsc_values(matrix)
@@ -124,7 +142,7 @@ class BlockMatrix:
 
     def held_blocks(self, held: NDArray[np.bool_]) -> "HeldBlocks":
         """Where the rows and columns of held components (d, 3) lie; collective."""
-        ghosted = dolfinx.la.vector(self._columns, 3)
+        ghosted = dolfinx.la.vector(self.columns, 3)
         ghosted.array[: 3 * self.owned] = held[: self.owned].ravel()
         ghosted.scatter_forward()
         by_column = np.asarray(ghosted.array).reshape(-1, 3) > 0.0

@@ -37,18 +37,37 @@ def cell_points(
     mesh = space.mesh
     kind = basix.CellType[mesh.topology.cell_name()]
     points, weights = basix.make_quadrature(kind, degree)
-    corners = mesh.geometry.x[mesh.geometry.dofmaps[0][cells]]
-    map_gradients = _gradients(kind, mesh.geometry.cmaps[0].degree, points)
-    jacobian = np.einsum("cnk,qnl->cqkl", corners, map_gradients, optimize=True)
-    inverse = np.linalg.inv(jacobian)
-    scaled = np.ascontiguousarray(np.abs(np.linalg.det(jacobian)) * weights)
-    reference = _gradients(kind, space.element.basix_element.degree, points)
+    inverse, scaled = mapped_points(mesh, cells, points, weights)
+    reference = reference_gradients(kind, space.element.basix_element.degree, points)
     nodes = np.ascontiguousarray(space.dofmap.list[cells])
     loops = PointLoops(reference, np.ascontiguousarray(inverse), scaled, nodes)
     return CellPoints(points, scaled, loops)
 
 
-def _gradients(kind: basix.CellType, order: int, points: Array) -> Array:
+def mapped_points(
+    mesh: "dolfinx.mesh.Mesh", cells: NDArray[np.int32], points: Array, weights: Array
+) -> tuple[Array, Array]:
+    """What a quadrature rule of the reference cell becomes in some cells.
+
+    Args:
+        mesh: the cells'.
+        cells: (c,) this rank's.
+        points: (q, 3) on the reference cell.
+        weights: (q,) there.
+
+    Returns:
+        J⁻¹ (c, q, 3, 3) of the cells' maps, [k, x] = ∂ξ_k/∂X_x, and the weights times |det J|
+        (c, q) [m³].
+    """
+    kind = basix.CellType[mesh.topology.cell_name()]
+    corners = mesh.geometry.x[mesh.geometry.dofmaps[0][cells]]
+    map_gradients = reference_gradients(kind, mesh.geometry.cmaps[0].degree, points)
+    jacobian = np.einsum("cnk,qnl->cqkl", corners, map_gradients, optimize=True)
+    scaled = np.ascontiguousarray(np.abs(np.linalg.det(jacobian)) * weights)
+    return np.linalg.inv(jacobian), scaled
+
+
+def reference_gradients(kind: basix.CellType, order: int, points: Array) -> Array:
     """Gradients (q, n, 3) of Lagrange's functions at points (q, 3) of the reference cell."""
     element = basix.create_element(
         basix.ElementFamily.P, kind, order, basix.LagrangeVariant.gll_warped

@@ -142,8 +142,10 @@ def _energy_forms(
     ]
     if not mine:
         return None
+    # Not the variable F: strains can be written without taking I from I + ∇u again.
+    plain = ufl.Identity(3) + ufl.grad(u)
     energy = sum(
-        material.strain_energy(F, region.parameters) * part(degree=degree)
+        material.strain_energy(plain, region.parameters) * part(degree=degree)
         for region, material, part in mine
     )
     return EnergyForms(

@@ -35,7 +35,8 @@ class ConsistentMass:
             shape=(owned, owned + self._columns.num_ghosts),
         )
         self._held = held[:owned]
-        self._held_rows = np.flatnonzero(self._held)
+        #: Owned dofs that are held.
+        self.held_rows = np.flatnonzero(self._held)
 
     def apply(self, fields: Array) -> Array:
         """M times fields (owned nodes, c): (owned nodes, c) [kg]."""
@@ -62,7 +63,7 @@ class ConsistentMass:
         rows, width = block.shape
         fields = np.ascontiguousarray(block).reshape(rows // 3, 3 * width)
         product = self.apply(fields).reshape(rows, width)
-        product[self._held_rows] = 0.0
+        product[self.held_rows] = 0.0
         return np.asfortranarray(product)
 
     def diagonal(self) -> Array:
@@ -72,6 +73,24 @@ class ConsistentMass:
     def total(self) -> float:
         """Mass of the body [kg]."""
         return float(self._rows.comm.allreduce(float(self._scalar.data.sum())))
+
+    def on_pattern(
+        self,
+        first: NDArray[np.int64],
+        columns: NDArray[np.int32],
+        nodes: "dolfinx.common.IndexMap",
+    ) -> Array:
+        """Entries of m (e,) on the pattern of the stiffness in blocks, which is m's own.
+
+        Args:
+            first: (owned nodes + 1,) where each row begins.
+            columns: (e,) nodes, ghosts included.
+            nodes: their map.
+        """
+        assert np.array_equal(nodes.ghosts, self._columns.ghosts)
+        assert np.array_equal(first, self._scalar.indptr)
+        assert np.array_equal(columns, self._scalar.indices)
+        return np.ascontiguousarray(self._scalar.data)
 
     def matrix(self) -> PETSc.Mat:
         """M in 3x3 blocks with the rows and columns of held components zero; the caller's."""

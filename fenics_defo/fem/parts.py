@@ -1,6 +1,6 @@
 """What a body's energy, force and stiffness are sums of."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,25 @@ class Part(Protocol):
 
     def add_tangent(self, local: Array, blocks: BlockMatrix, force: Array | None) -> None:
         """Add this rank's share of the tangent, and of the force where an array is given for it."""
+
+
+@runtime_checkable
+class SmoothPart(Part, Protocol):
+    """A part whose third derivatives are known."""
+
+    def add_tangent_derivative(self, local: Array, direction: Array, blocks: BlockMatrix) -> None:
+        """Add this rank's share of the tangent's derivative along a displacement (d, 3)."""
+
+
+@runtime_checkable
+class SampledPart(Part, Protocol):
+    """A part whose third derivatives are found by differences of its tangent."""
+
+    def with_exact_tangent(self) -> "SampledPart":
+        """The same part with the derivative of its force as tangent."""
+
+    def steepest(self, direction: Array) -> float:
+        """Largest entry of the gradient [-] of a displacement (d, 3), on this rank."""
 
 
 def body_parts(

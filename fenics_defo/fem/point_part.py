@@ -1,11 +1,13 @@
 """Laws that NumPy evaluates at the quadrature points of their cells."""
 
 from collections.abc import Iterator
+from copy import copy
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.energy import PointLaw, PointResponse
+from fenics_defo.energy import Corotational, Invertible, PointLaw, PointResponse
 from fenics_defo.fem.block_matrix import BlockMatrix
 from fenics_defo.fem.cell_points import BATCH, cell_points
 from fenics_defo.fem.compat import dolfinx
@@ -80,3 +82,23 @@ class PointPart:
             self._loops.add_tangents(some, answer.tangent, self._positions, blocks.values)
             if force is not None:
                 self._loops.add_forces(some, answer.stress, force)
+
+    def with_exact_tangent(self) -> "PointPart":
+        """The same part, whose tangent is the derivative of its force and nothing better behaved.
+
+        It shares its work arrays with this one.
+        """
+        other = copy(self)
+        if isinstance(self._law, Corotational | Invertible):
+            other._law = replace(self._law, tangent="exact")
+        return other
+
+    def steepest(self, direction: Array) -> float:
+        """Largest entry of the gradient [-] of a displacement (d, 3) in this rank's cells."""
+        u, largest = np.ascontiguousarray(direction, np.float64), 0.0
+        for begin in range(0, len(self._cells), self._batch):
+            some = slice(begin, min(begin + self._batch, len(self._cells)))
+            F = self._gradients[: self._points * (some.stop - some.start)]
+            self._loops.gradients(some, u, F)
+            largest = max(largest, float(np.abs(F - np.eye(3)).max()))
+        return largest

@@ -15,7 +15,7 @@ from fenics_defo.fem.assembly import Assembly
 from fenics_defo.fem.compat import dolfinx
 from fenics_defo.fem.forms import QuadratureDegrees, body_forms, default_degrees
 from fenics_defo.fem.imported import MeshData, MeshRecord, mesh_record
-from fenics_defo.fem.material_fields import Materials, lay_materials
+from fenics_defo.fem.material_fields import MaterialFields, Materials, lay_materials
 from fenics_defo.fem.nodes import NodeNumbering, number_nodes
 from fenics_defo.fem.parts import body_parts
 from fenics_defo.fem.regions import select_nodes
@@ -101,14 +101,16 @@ class Solid:
         self.space = dolfinx.fem.functionspace(mesh, ("Lagrange", order, (3,)))
         self.nodes: NodeNumbering = number_nodes(self.space, mesh.topology.index_map(3).size_global)
         self.held: NDArray[np.bool_] = self._held(constraints)
-        fields = lay_materials(mesh_data, material)
+        #: The laws laid over the cells, and the degrees of their quadrature: for offline stages.
+        self.fields: MaterialFields = lay_materials(mesh_data, material)
+        fields = self.fields
         #: Whether all laws are isotropic and free of stress at rest.
         self.is_isotropic_at_rest = all(region.rest_moduli for region in fields.regions)
         #: Whether the internal force is linear in the displacement, the tangent one and the same.
         self.is_linear = all(isinstance(r.material, LinearElastic) for r in fields.regions)
-        rules = degrees or default_degrees(kind, order, mesh.geometry.cmaps[0].degree)
-        forms = body_forms(self.space, fields, rules)
-        parts, unformed = body_parts(self.space, forms, fields, rules.energy)
+        self.degrees = degrees or default_degrees(kind, order, mesh.geometry.cmaps[0].degree)
+        forms = body_forms(self.space, fields, self.degrees)
+        parts, unformed = body_parts(self.space, forms, fields, self.degrees.energy)
         #: Energy, force and PETSc matrices, for ``fem`` and ``analysis`` only.
         self.assembly = Assembly(self.space, forms, parts, unformed, self.nodes.scatter(self.held))
 

@@ -82,6 +82,15 @@ class SpringPart:
         for other in (1, 2):
             add_blocks(self._positions[other], stiffness, blocks.values)
 
+    def with_exact_tangent(self) -> "SpringPart":
+        """This part."""
+        return self
+
+    def steepest(self, direction: Array) -> float:
+        """Largest change of a spring's vector along a displacement (d, 3), by its length [-]."""
+        change = np.subtract(*(direction[self._ends[:, k]] for k in (1, 0)))
+        return float((np.abs(change).max(axis=1) / self._length).max(initial=0.0))
+
 
 def _one_less(rest: Array, length: Array) -> Array:
     """1 - L/l; 1 for a spring of no length, which has no direction to push in."""

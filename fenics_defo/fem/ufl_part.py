@@ -3,6 +3,7 @@
 from functools import cached_property
 
 import numpy as np
+import ufl
 from numpy.typing import NDArray
 from ufl.algorithms import extract_coefficients
 from ufl.core.expr import Expr
@@ -42,6 +43,24 @@ class UflPart:
         space = self._forms.displacement.function_space
         return [_LawTangent(space, *each, degree) for each in self._forms.tangents]
 
+    @cached_property
+    def _direction(self) -> "dolfinx.fem.Function":
+        return dolfinx.fem.Function(self._forms.displacement.function_space, name="direction")
+
+    @cached_property
+    def _derivatives(self) -> "list[_LawTangent]":
+        """∫ ∇v : (∂³ψ/∂F³ : ∇d) : ∇u dX of each law that is not linear."""
+        degree, u, d = self._forms.degree, self._forms.displacement, self._direction
+        moduli = [
+            (cells, differentiated(ufl.derivative(differentiated(modulus), u, d)))
+            for cells, modulus in self._forms.tangents
+        ]
+        return [
+            _LawTangent(u.function_space, cells, change, degree)
+            for cells, change in moduli
+            if not isinstance(change, ufl.classes.Zero)
+        ]
+
     def _deform(self, local: Array) -> None:
         self._forms.displacement.x.array[:] = local.ravel()
 
@@ -63,17 +82,24 @@ class UflPart:
         if force is not None:
             dolfinx.fem.assemble_vector(force.reshape(-1), self._force)
 
+    def add_tangent_derivative(self, local: Array, direction: Array, blocks: BlockMatrix) -> None:
+        """Add this rank's share of the tangent's derivative along a displacement (d, 3)."""
+        self._deform(local)
+        self._direction.x.array[:] = direction.ravel()
+        for derivative in self._derivatives:
+            derivative.add(blocks)
+
 
 class _LawTangent:
-    """∫ ∇v : ∂²ψ/∂F² : ∇u dX of one law.
+    """∫ ∇v : C : ∇u dX of one law, with C = ∂²ψ/∂F² or its derivative along a displacement.
 
     FFCx's kernel for this bilinear form takes twice as long, and longer to compile: here it gives
-    ∂²ψ/∂F² at the points only, and the products with the gradients are the same for all laws.
+    C at the points only, and the products with the gradients are the same for all laws.
 
     Args:
         space: displacement space.
         cells: the law's.
-        modulus: ∂²ψ/∂F².
+        modulus: C (3, 3, 3, 3).
         degree: that the quadrature integrates exactly.
     """
 

@@ -11,7 +11,8 @@ import os
 import re
 import struct
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -62,7 +63,8 @@ def write_archive(
         units: name -> SI unit of the arrays that have one.
 
     Raises:
-        ValueError: an array of objects or other types that are not plain numbers or text.
+        ValueError: an array of objects or other types that are not plain numbers or text, or text
+            with half a surrogate pair.
         DefoError: the file cannot be written.
     """
     header = {"format": FORMAT, "kind": kind, "version": version, "units": dict(units)}
@@ -82,7 +84,10 @@ def _plain(name: str, array: NDArray[Any]) -> NDArray[Any]:
     array = np.asarray(array)
     if name == "header" or array.dtype.kind not in "biufU":
         raise ValueError(f"array {name!r} of type {array.dtype} cannot be stored")
-    return np.asarray(array, dtype=array.dtype.newbyteorder("<"), order="C")
+    plain: NDArray[Any] = np.asarray(array, dtype=array.dtype.newbyteorder("<"), order="C")
+    if plain.dtype.kind == "U":
+        _check_letters(name, np.frombuffer(plain.tobytes(), dtype="<u4"))
+    return plain
 
 
 def read_archive(
@@ -111,10 +116,27 @@ def read_archive(
         FileFormatError: the file is missing, damaged, of another kind or a newer version, or an
             array is missing or not as required.
     """
+    with _opened(path) as archive:
+        _check_header(path, archive, kind, version)
+        return {name: _read_required(path, archive, name, required[name]) for name in required}
+
+
+def archive_kind(path: str | os.PathLike[str]) -> str:
+    """What a file of ours holds, for instance ``"modes"``; only its header is read.
+
+    Raises:
+        FileFormatError: the file is missing, damaged or not ours.
+    """
+    with _opened(path) as archive:
+        return str(_read_header(path, archive).get("kind"))
+
+
+@contextmanager
+def _opened(path: str | os.PathLike[str]) -> Iterator[zipfile.ZipFile]:
+    """Open an archive; whatever is wrong with it becomes one sentence."""
     try:
         with zipfile.ZipFile(path) as archive:
-            _check_header(path, archive, kind, version)
-            return {name: _read_required(path, archive, name, required[name]) for name in required}
+            yield archive
     except FileFormatError:
         raise
     except OSError as error:
@@ -137,7 +159,22 @@ def read_archive(
 def _check_header(
     path: str | os.PathLike[str], archive: zipfile.ZipFile, kind: str, version: int
 ) -> None:
-    """Refuse what is not ours, of another kind or from a newer version of this package."""
+    """Refuse what is of another kind or from a newer version of this package."""
+    header = _read_header(path, archive)
+    if header.get("kind") != kind:
+        raise FileFormatError(f"{path}: holds {header.get('kind')!r}, expected {kind!r}.")
+    found = header.get("version")
+    if type(found) is not int or found < 1:
+        raise ValueError(f"version {found!r}")
+    if found > version:
+        raise FileFormatError(
+            f"{path}: has version {found} of the format of {kind!r}, this {FORMAT} reads up to "
+            f"version {version}; update {FORMAT}."
+        )
+
+
+def _read_header(path: str | os.PathLike[str], archive: zipfile.ZipFile) -> dict[str, Any]:
+    """The header, if it is one of ours."""
     members = [info.filename for info in archive.infolist()]
     if "header.npy" not in members:
         raise FileFormatError(f"{path}: has no header, it was not written by {FORMAT}.")
@@ -149,16 +186,7 @@ def _check_header(
     header = json.loads(str(text))
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise FileFormatError(f"{path}: was not written by {FORMAT}.")
-    if header.get("kind") != kind:
-        raise FileFormatError(f"{path}: holds {header.get('kind')!r}, expected {kind!r}.")
-    found = header.get("version")
-    if type(found) is not int or found < 1:
-        raise ValueError(f"version {found!r}")
-    if found > version:
-        raise FileFormatError(
-            f"{path}: has version {found} of the format of {kind!r}, this {FORMAT} reads up to "
-            f"version {version}; update {FORMAT}."
-        )
+    return header
 
 
 def _read_required(
@@ -207,5 +235,13 @@ def _parse_npy(data: bytes, name: str) -> NDArray[Any]:
     shape = tuple(int(extent) for extent in match["shape"].split(",") if extent.strip())
     if dtype.itemsize == 0 or math.prod(shape) * dtype.itemsize != len(data) - begin:
         raise ValueError(f"{name!r} has {len(data) - begin} bytes, not those of its shape {shape}")
+    if dtype.kind == "U":
+        _check_letters(name, np.frombuffer(data, dtype=f"{match['descr'][0]}u4", offset=begin))
     order: Literal["C", "F"] = "F" if match["fortran"] == "True" else "C"
     return np.ndarray(shape, dtype, buffer=data, offset=begin, order=order)
+
+
+def _check_letters(name: str, codes: NDArray[np.uint32]) -> None:
+    """Refuse numbers that are no letters: Python's own text functions fail on them in odd ways."""
+    if not ((codes < 0xD800) | ((codes > 0xDFFF) & (codes <= 0x10FFFF))).all():
+        raise ValueError(f"{name!r} holds letters that do not exist")

@@ -1,6 +1,7 @@
-"""Scenes: what a TOML file says, and its simulation into a folder of results.
+"""Scenes: what a TOML file says, its simulation, and small models of its body.
 
-The names load on first use: reading a scene needs neither DOLFINx nor PETSc.
+The names load on first use: reading a scene needs neither DOLFINx nor PETSc, playing one NumPy
+only.
 """
 
 import importlib
@@ -17,14 +18,19 @@ if TYPE_CHECKING:
     )
     from fenics_defo.scene.cadence import Cadence
     from fenics_defo.scene.checkpoint import Checkpoint, load_checkpoint
+    from fenics_defo.scene.parsing import parse_scene
+    from fenics_defo.scene.playing import play
     from fenics_defo.scene.reading import read_scene
+    from fenics_defo.scene.recipe import Recipe
     from fenics_defo.scene.records import Scene
+    from fenics_defo.scene.reducing import reduce_scene
     from fenics_defo.scene.running import simulate
     from fenics_defo.scene.watching import Watcher
 
 _HOME = {
     "Cadence": "cadence",
     "Checkpoint": "checkpoint",
+    "Recipe": "recipe",
     "Scene": "records",
     "Watcher": "watching",
     "build_initial": "building",
@@ -34,13 +40,17 @@ _HOME = {
     "build_simulation": "building",
     "build_solid": "building",
     "load_checkpoint": "checkpoint",
+    "parse_scene": "parsing",
+    "play": "playing",
     "read_scene": "reading",
+    "reduce_scene": "reducing",
     "simulate": "running",
 }
 
 __all__ = [
     "Cadence",
     "Checkpoint",
+    "Recipe",
     "Scene",
     "Watcher",
     "build_initial",
@@ -50,7 +60,10 @@ __all__ = [
     "build_simulation",
     "build_solid",
     "load_checkpoint",
+    "parse_scene",
+    "play",
     "read_scene",
+    "reduce_scene",
     "simulate",
 ]
 

@@ -10,7 +10,6 @@ from fenics_defo.analysis import (
     BackwardEuler,
     CentralDifferences,
     Gravity,
-    History,
     ImplicitNewmark,
     Impulse,
     Initial,
@@ -19,29 +18,21 @@ from fenics_defo.analysis import (
     PointLoad,
     Prescribed,
     Pressure,
-    Pulse,
     QuasiStatic,
-    Ramp,
     Simulation,
-    Sine,
-    Step,
     SymplecticEuler,
-    Table,
     Traction,
     linear_modes,
     mode_displacement,
 )
 from fenics_defo.errors import LoadError, MaterialError, SceneError, SelectionError, StepSizeError
 from fenics_defo.fem import Fixed, Solid, read_mesh
-from fenics_defo.scene.records import FixedTable, HistoryTable, LoadTable, Scene, TimeTable
+from fenics_defo.scene.load_factors import load_factor
+from fenics_defo.scene.newton import newton_limits
+from fenics_defo.scene.records import FixedTable, LoadTable, Scene, TimeTable
 from fenics_defo.scene.table import AXES
 
 Array = NDArray[np.float64]
-
-# Relative residual and most iterations of Newton's method unless the scene gives a tolerance:
-# an equilibrium may be far from the one before, and is the result itself.
-_STATIC_NEWTON = 1e-8, 50
-_NEWTON = 1e-6, 20
 
 
 def build_solid(scene: Scene) -> Solid:
@@ -57,14 +48,14 @@ def build_solid(scene: Scene) -> Solid:
     """
     mesh = read_mesh(scene.mesh.file, size=scene.mesh.size, merge=scene.mesh.merge)
     materials = scene.materials or mesh.record.materials
-    with _told(scene, "[[material]]"):
+    with told(scene, "[[material]]"):
         if not materials:
             raise MaterialError(
                 "there is none, and the mesh file has none either; add one with young, poisson "
                 "and density"
             )
     fixed = [Fixed(item.region, item.components) for item in scene.fixed if not _moves(item)]
-    with _told(scene, "[[material]] and [[fixed]]"):
+    with told(scene, "[[material]] and [[fixed]]"):
         return Solid(
             mesh,
             {region: material for region, material in materials.items()},
@@ -79,7 +70,7 @@ def build_loads(scene: Scene, solid: Solid) -> tuple[Load, ...]:
     Raises:
         SceneError: a node that the mesh does not have.
     """
-    return tuple(_load(scene, i, load, solid) for i, load in enumerate(scene.loads, 1))
+    return tuple(build_load(scene, i, load, solid) for i, load in enumerate(scene.loads, 1))
 
 
 def build_prescribed(scene: Scene) -> tuple[Prescribed, ...]:
@@ -91,7 +82,7 @@ def build_prescribed(scene: Scene) -> tuple[Prescribed, ...]:
         entries: list[float | None] = [None, None, None]
         for component, value in zip(item.components, item.displacement, strict=True):
             entries[AXES.index(component)] = value
-        moved.append(Prescribed(item.region, entries, _history(item.history, scene.time)))
+        moved.append(Prescribed(item.region, entries, load_factor(item.history, scene.time)))
     return tuple(moved)
 
 
@@ -116,15 +107,39 @@ def build_initial(scene: Scene, solid: Solid) -> Initial:
         EigenSolveError: the mode that the scene starts from was not found.
     """
     given = scene.initial
-    points = solid.points
-    arms = points - _centre(solid)
+    arms = mass_arms(solid)
     displacement = np.asarray(given.displacement) + arms * (np.asarray(given.stretch) - 1.0)
     velocity = np.asarray(given.velocity) + np.cross(np.asarray(given.spin), arms)
     if given.mode is not None:
-        with _told(scene, "[initial]"):
-            modes = linear_modes(solid, given.mode, keep_rigid=False, verify=False)
-            displacement = displacement + mode_displacement(modes, given.mode, given.amplitude)
-    return Initial(displacement=_unheld(displacement, solid), velocity=_unheld(velocity, solid))
+        displacement = displacement + given.amplitude * mode_field(scene, solid, given.mode)
+    return Initial(displacement=unheld(displacement, solid), velocity=unheld(velocity, solid))
+
+
+def mode_field(scene: Scene, solid: Solid, number: int) -> Array:
+    """Displacement (n, 3) [m] in an elastic mode, at most 1 m; collective.
+
+    Args:
+        scene: scene, for messages.
+        solid: its body.
+        number: of the mode, from 1.
+
+    Raises:
+        EigenSolveError: the mode was not found.
+    """
+    with told(scene, "[initial]"):
+        modes = linear_modes(solid, number, keep_rigid=False, verify=False)
+        return mode_displacement(modes, number, 1.0)
+
+
+def mass_arms(solid: Solid) -> Array:
+    """Places of the nodes from the centre of mass at rest (n, 3) [m]; collective."""
+    masses = solid.lumped_mass()
+    return solid.points - np.asarray(masses @ solid.points / masses.sum())
+
+
+def unheld(field: Array, solid: Solid) -> Array:
+    """A field over the nodes (n, 3), zero where the body is held."""
+    return np.where(solid.held, 0.0, np.broadcast_to(field, solid.points.shape))
 
 
 def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simulation:
@@ -141,10 +156,10 @@ def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simul
         SelectionError: a region that the mesh does not have.
     """
     time, damping = scene.time, (scene.damping.mass, scene.damping.stiffness)
-    tolerance, iterations = _STATIC_NEWTON if time.is_static else _NEWTON
+    tolerance, iterations = newton_limits(time)
     loads = build_loads(scene, solid)
     initial = build_initial(scene, solid) if start else None
-    with _told(scene, "[[load]], [[fixed]] and [[probe]]"):
+    with told(scene, "[[load]], [[fixed]] and [[probe]]"):
         return Simulation(
             solid,
             loads,
@@ -152,7 +167,7 @@ def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simul
             step=time.step,
             damping=(0.0, 0.0) if time.is_static else damping,
             newton=time.newton,
-            newton_tolerance=time.tolerance or tolerance,
+            newton_tolerance=tolerance,
             newton_iterations=iterations,
             linear=scene.solver.linear,  # type: ignore[arg-type]  # checked when it was read
             linear_tolerance=scene.solver.tolerance,
@@ -163,8 +178,19 @@ def build_simulation(scene: Scene, solid: Solid, *, start: bool = True) -> Simul
         )
 
 
-def _load(scene: Scene, number: int, load: LoadTable, solid: Solid) -> Load:
-    history = _history(load.history, scene.time)
+def build_load(scene: Scene, number: int, load: LoadTable, solid: Solid) -> Load:
+    """One load.
+
+    Args:
+        scene: scene.
+        number: of the load, from 1, for messages.
+        load: its table.
+        solid: body.
+
+    Raises:
+        SceneError: a node that the mesh does not have.
+    """
+    history = load_factor(load.history, scene.time)
     node = None if load.node is None else _row(scene, number, load.node, solid)
     match load.kind:
         case "gravity":
@@ -194,39 +220,12 @@ def _row(scene: Scene, load: int, number: int, solid: Solid) -> int:
     return int(found[0])
 
 
-def _history(history: HistoryTable | None, time: TimeTable) -> History:
-    """The factor in time; what is not given is 1, in statics t / duration."""
-    if history is None:
-        return Ramp(time.duration) if time.is_static else Step(start=-time.duration)
-    match history.kind:
-        case "ramp":
-            return Ramp(history.duration, history.start)
-        case "sine":
-            return Sine(history.frequency, history.phase)
-        case "pulse":
-            return Pulse(history.start, history.duration)
-        case "table":
-            return Table(history.times, history.values)
-    return Step(history.start)
-
-
 def _moves(item: FixedTable) -> bool:
     return item.displacement is not None
 
 
-def _centre(solid: Solid) -> Array:
-    """Centre of mass at rest (3,) [m]."""
-    masses = solid.lumped_mass()
-    return np.asarray(masses @ solid.points / masses.sum())
-
-
-def _unheld(field: Array, solid: Solid) -> Array:
-    """A field over the nodes (n, 3), zero where the body is held."""
-    return np.where(solid.held, 0.0, np.broadcast_to(field, solid.points.shape))
-
-
 @contextmanager
-def _told(scene: Scene, where: str) -> Iterator[None]:
+def told(scene: Scene, where: str) -> Iterator[None]:
     """Name the scene file and the table in errors about what the tables ask for."""
     try:
         yield

@@ -5,16 +5,18 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.analysis import Energies, State
 from fenics_defo.errors import FileFormatError
-from fenics_defo.fem import Solid
 from fenics_defo.runtime import ArraySpec, read_archive, write_archive
 from fenics_defo.scene.records import Scene
+
+if TYPE_CHECKING:
+    from fenics_defo.fem import Solid
 
 _KIND, _VERSION = "checkpoint", 1
 _UNITS = {
@@ -144,7 +146,7 @@ def load_checkpoint(path: str | os.PathLike[str]) -> Checkpoint:
     )
 
 
-def scene_identity(scene: Scene, solid: Solid) -> dict[str, str]:
+def scene_identity(scene: Scene, solid: "Solid") -> dict[str, str]:
     """What must be the same for a run to be continued: a text for each table that counts.
 
     Left out are the tables of output, solver and requirements and, but for statics, whose loads

@@ -30,6 +30,7 @@ class ResultFolder:
         probes: names of the probes.
         mesh: for the series; None to write none.
         resume: checkpoint from which the run goes on; what was written later is cut off.
+        checkpoints: whether there will be any.
 
     Raises:
         DefoError: the folder cannot be written.
@@ -43,8 +44,10 @@ class ResultFolder:
         mesh: FrameMesh | None,
         *,
         resume: Checkpoint | None = None,
+        checkpoints: bool = True,
     ) -> None:
         self.path = Path(folder)
+        self._checkpoints = [CHECKPOINT] if checkpoints else []
         make_folder(self.path)
         if resume is None:  # before the results go that they speak of
             (self.path / SUMMARY).unlink(missing_ok=True)
@@ -72,7 +75,7 @@ class ResultFolder:
     def files(self) -> list[str]:
         """Names of the files, the index in place of its frames."""
         series = [] if self._series is None else [f"{SERIES}.pvd"]
-        return [SUMMARY, PROBES, ENERGY, *series, CHECKPOINT]
+        return [SUMMARY, PROBES, ENERGY, *series, *self._checkpoints]
 
     def write_row(
         self, time: float, probes: Sequence[NDArray[np.float64]], energies: Energies

@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fenics_defo.energy import Law
 from fenics_defo.scene.table import Vector
+
+if TYPE_CHECKING:  # it needs UFL, which a scene that is played does without
+    from fenics_defo.energy import Law
 
 Selection = str | int
 
@@ -233,7 +235,8 @@ class Scene:
         path: the scene file.
         mesh: its mesh.
         time: how time goes on.
-        materials: region (None: everywhere else) -> material; empty: those of the mesh file.
+        materials: region (None: everywhere else) -> material; empty: those of the mesh file, or
+            not looked at (`parse_scene`).
         fixed: constraints.
         loads: loads.
         damping: Rayleigh's.
@@ -248,7 +251,7 @@ class Scene:
     path: Path
     mesh: MeshTable
     time: TimeTable
-    materials: Mapping[str | None, Law] = field(default_factory=dict)
+    materials: "Mapping[str | None, Law]" = field(default_factory=dict)
     fixed: tuple[FixedTable, ...] = ()
     loads: tuple[LoadTable, ...] = ()
     damping: DampingTable = DampingTable()

@@ -22,7 +22,7 @@ INTEGRATORS = (
     "static",
 )
 LINEAR_SOLVERS = ("cholesky", "pcg-jacobi", "pcg-amg")
-_EXPLICIT = ("central-differences", "symplectic-euler")
+EXPLICIT = ("central-differences", "symplectic-euler")
 _STATIC_STEPS = 10
 
 
@@ -56,7 +56,7 @@ def read_time(table: Table) -> TimeTable:
     keys: tuple[str, ...] = ("integrator", "step", "duration")
     if integrator == "static":
         keys = (*keys, "tolerance")
-    elif integrator in _EXPLICIT:
+    elif integrator in EXPLICIT:
         keys = (*keys, "allow_unstable")
     else:
         keys = (*keys, "newton", "tolerance")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fenics_defo import __version__
 from fenics_defo.analysis import Energies
-from fenics_defo.fem import Solid
+from fenics_defo.scene.body import Body
 from fenics_defo.scene.checkpoint import Tally
 from fenics_defo.scene.records import Scene
 
@@ -55,12 +55,12 @@ class Standing:
     seconds: Mapping[str, float]
 
 
-def summary_record(scene: Scene, solid: Solid, standing: Standing) -> dict[str, Any]:
+def summary_record(scene: Scene, body: Body, standing: Standing) -> dict[str, Any]:
     """A record ready for JSON.
 
     Args:
         scene: scene.
-        solid: its body.
+        body: its body.
         standing: how far its run is.
     """
     tally = standing.tally
@@ -73,14 +73,14 @@ def summary_record(scene: Scene, solid: Solid, standing: Standing) -> dict[str, 
         "steps_now": standing.steps - standing.begun_at,
         "step": scene.time.step,
         "integrator": scene.time.integrator,
-        "linear_solver": scene.solver.linear,
+        "linear_solver": body.solver,
         "scene": str(scene.path),
         "mesh": str(scene.mesh.file),
-        "order": solid.order,
-        "nodes": len(solid.points),
-        "cells": len(solid.cells),
-        "dofs": solid.dof_count,
-        "ranks": solid.comm.size,
+        "order": body.order,
+        "nodes": len(body.points),
+        "cells": len(body.cells),
+        "dofs": body.dofs,
+        "ranks": body.ranks,
         "probes": _probes(scene, standing),
         "energies": {
             name: _number(getattr(standing.energies, name))
@@ -95,7 +95,8 @@ def summary_record(scene: Scene, solid: Solid, standing: Standing) -> dict[str, 
         "frames": standing.frames,
         "folder": standing.folder,
         "files": list(standing.files),
-        "notes": list(solid.record.notes),
+        "notes": list(body.notes),
+        **body.more,
         "seconds": dict(standing.seconds),
         "version": __version__,
     }

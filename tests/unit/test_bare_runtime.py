@@ -2,6 +2,11 @@
 
 import subprocess
 import sys
+from pathlib import Path
+
+import numpy as np
+
+from tests.unit.runtime.reduced_models import make_frame, make_model
 
 # Hides everything but NumPy, the standard library and the package itself: more than the libraries
 # that we know today.
@@ -40,6 +45,29 @@ def test_the_runtime_needs_numpy_only() -> None:
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.split(), "the runtime holds no module"
+
+
+def test_a_model_is_loaded_and_evaluated_with_numpy_alone(tmp_path: Path) -> None:
+    model = make_model("cubic", frame=make_frame())
+    model.save(tmp_path / "model.npz")
+    move = (
+        f"model = runtime.load({str(tmp_path / 'model.npz')!r})\n"
+        "q = [0.1, -0.2, 0.3]\n"
+        "results = model.force(q), model.displacement(q)[3], model.point_load(2, (0, 0, 1))\n"
+        "print('found', *(value.hex() for result in results for value in result.tolist()))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", BARE + move],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    q = np.array([0.1, -0.2, 0.3])
+    expected = [model.force(q), model.displacement(q)[3], model.point_load(2, (0, 0, 1))]
+    found = [float.fromhex(word) for word in done.stdout.splitlines()[-1].split()[1:]]
+    np.testing.assert_array_equal(found, np.concatenate(expected))
 
 
 def test_importing_the_package_loads_nothing_heavy() -> None:

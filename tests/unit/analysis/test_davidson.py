@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from fenics_defo.analysis.davidson import RoughPreconditionerError, block_davidson
+from fenics_defo.analysis.davidson import RoughPreconditionerError, SearchedProblem, block_davidson
 from fenics_defo.errors import EigenSolveError
 
 
@@ -22,16 +22,19 @@ def pencil(values, seed=0):
 def run(stiffness, mass, count, *, width=4, seed=0, inverse=None, **options):
     size, rng = len(mass), np.random.default_rng(seed)
     inverse = linalg.inv(stiffness) if inverse is None else inverse
-    return block_davidson(
-        lambda block: np.asfortranarray(inverse @ block),
-        lambda block: np.asfortranarray(stiffness @ block),
-        lambda block: np.asfortranarray(mass @ block),
-        lambda: np.asfortranarray(rng.standard_normal((size, width))),
-        count,
+    both = np.vstack([stiffness, mass])
+    problem = SearchedProblem(
+        precondition=lambda block: np.asfortranarray(inverse @ block),
+        multiply=lambda block: np.hstack(np.vsplit(both @ block, 2)),
+        residuals=lambda block, values: np.asfortranarray(
+            stiffness @ block - mass @ block * values
+        ),
+        mass=lambda block: mass @ block,
+        random=lambda: rng.standard_normal((size, width)),
         comm=MPI.COMM_SELF,
         independent=size,
-        **options,
     )
+    return block_davidson(problem, count, **options)
 
 
 def values_of(found, stiffness, mass):

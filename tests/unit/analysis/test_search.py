@@ -69,9 +69,11 @@ def test_the_inertia_counts_what_lies_below() -> None:
     solid = box((3, 2, 2), fixed=["x==0"])
     modes = linear_modes(solid, 12)
     assembly = solid.assembly
+    stiffness = assembly.stiffness_matrix()
     problem = EigenProblem(
-        stiffness=assembly.stiffness_matrix(),
+        stiffness=stiffness,
         mass=assembly.mass,
+        pencil=assembly.pencil(stiffness),
         shift=0.0,
         definite=True,
         independent=int((~solid.held).sum()),

@@ -224,6 +224,22 @@ def test_hostile_array_headers_are_refused(tmp_path: Path, member: bytes) -> Non
         read(path, {"numbers": SPECS["numbers"]})
 
 
+@pytest.mark.parametrize("code", [0xD800, 0xDFFF, 0x110000, 0x7FFFFFFF, 0xFFFFFFFF])
+@pytest.mark.parametrize("order", "<>")
+def test_letters_that_do_not_exist_are_refused(tmp_path: Path, code: int, order: str) -> None:
+    """NumPy stores letters as 32-bit numbers and makes texts of any of them."""
+    text = f"{{'descr': '{order}U1', 'fortran_order': False, 'shape': (), }}"
+    path = forge(tmp_path / "a.npz", {"word.npy": npy_text(text, struct.pack(f"{order}I", code))})
+    with pytest.raises(FileFormatError, match="'word' holds letters that do not exist"):
+        read(path, {"word": SPECS["word"]})
+
+
+def test_half_a_letter_is_not_written(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="'word' holds letters that do not exist"):
+        write(tmp_path / "a.npz", {"word": np.array("a\ud800")})
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_compressed_members_are_refused_before_they_are_inflated(tmp_path: Path) -> None:
     bomb = {"numbers.npy": npy(np.zeros((1000, 1000)))}
     path = forge(tmp_path / "a.npz", bomb, zipfile.ZIP_DEFLATED)
