@@ -85,6 +85,7 @@ def test_the_folder_holds_everything(run: Run, tmp_path: Path) -> None:
     record, out = run(), tmp_path / "out"
     assert json.loads((out / "summary.json").read_text()) == record
     assert (record["status"], record["steps"], record["newton_iterations"]) == ("finished", 20, 40)
+    assert (record["energy_error"], record["energy_gain"]) == (0.25, 0.125)
     probes = np.genfromtxt(out / "probes.csv", delimiter=",", names=True)
     assert probes.dtype.names == ("time", "tip_x", "tip_y", "tip_z", "mid_x", "mid_y", "mid_z")
     np.testing.assert_allclose(probes["time"], 0.1 * np.arange(21), rtol=1e-12)
