@@ -22,6 +22,7 @@ from fenics_defo.energy.point_law import PointLaw
 from fenics_defo.energy.rest_state import RestState, linear_moduli, rest_state
 from fenics_defo.energy.stress import cauchy, first_piola, second_piola, tangent
 from fenics_defo.energy.tables import material_from_table, read_materials
+from fenics_defo.energy.ufl_caches import forget_traversals
 from fenics_defo.energy.user_energy import HyperelasticEnergy, IsotropicEnergy
 from fenics_defo.runtime.laws import PointResponse
 
@@ -61,3 +62,5 @@ __all__ = [
     "small_strain",
     "tangent",
 ]
+
+forget_traversals()
