@@ -141,6 +141,7 @@ class _Search:
         self._before, self._best = np.zeros(0), np.inf
 
     def run(self, roughest: float) -> RitzVectors:
+        """The vectors; see `block_davidson`."""
         space, sought = self._space, self._sought
         space.extend(self._first_block(roughest))
         while True:

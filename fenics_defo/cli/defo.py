@@ -3,12 +3,15 @@
 import sys
 import time
 from argparse import Namespace
+from collections.abc import Callable
 
 from fenics_defo import __version__
 from fenics_defo.cli.command import Parser, Run, number, run
 from fenics_defo.cli.reduce_options import add_play, add_reduce
 from fenics_defo.cli.simulate_options import add_simulate
 from fenics_defo.cli.tradeoff_options import add_tradeoff
+
+type Work = Callable[[Namespace, Run, float], None]
 
 
 def build_parser() -> Parser:
@@ -56,37 +59,48 @@ def main(argv: list[str] | None = None) -> int:
     except SystemExit as leaving:  # --help, --version, or an error already told
         return int(leaving.code or 0)
     begin = time.perf_counter()
-    work = {
-        "simulate": _simulate,
-        "reduce": _reduce,
+    work: dict[str, Work] = {
+        "simulate": _with_fenicsx(_simulate),
+        "reduce": _with_fenicsx(_reduce),
         "play": _play,
-        "tradeoff": _tradeoff,
+        "tradeoff": _with_fenicsx(_tradeoff),
         "info": _tell_content,
     }
     return run("fenics-defo", lambda current: work[options.command](options, current, begin))
 
 
-def _simulate(options: Namespace, current: Run, begin: float) -> None:
-    # Late imports, as below.
-    from fenics_defo.cli.output import libraries_on_stderr, loading_libraries
-    from fenics_defo.cli.progress import progress_shown
+def _with_fenicsx(load: Callable[[], Callable[..., None]]) -> Work:
+    """The work of a command that needs FEniCSx, which ``load`` imports when there is work."""
 
-    with progress_shown(show=current.is_first) as progress:
-        progress.start("load")
-        with libraries_on_stderr(), loading_libraries():
-            from fenics_defo.cli.simulate_run import simulate_and_print
-        simulate_and_print(options, current, progress, begin)
+    def do(options: Namespace, current: Run, begin: float) -> None:
+        from fenics_defo.cli.output import libraries_on_stderr, loading_libraries
+        from fenics_defo.cli.progress import progress_shown
+
+        with progress_shown(show=current.is_first) as progress:
+            progress.start("load")
+            with libraries_on_stderr(), loading_libraries():
+                work = load()
+            work(options, current, progress, begin)
+
+    return do
 
 
-def _reduce(options: Namespace, current: Run, begin: float) -> None:
-    from fenics_defo.cli.output import libraries_on_stderr, loading_libraries
-    from fenics_defo.cli.progress import progress_shown
+def _simulate() -> Callable[..., None]:
+    from fenics_defo.cli.simulate_run import simulate_and_print
 
-    with progress_shown(show=current.is_first) as progress:
-        progress.start("load")
-        with libraries_on_stderr(), loading_libraries():
-            from fenics_defo.cli.reduce_run import reduce_and_print
-        reduce_and_print(options, current, progress, begin)
+    return simulate_and_print
+
+
+def _reduce() -> Callable[..., None]:
+    from fenics_defo.cli.reduce_run import reduce_and_print
+
+    return reduce_and_print
+
+
+def _tradeoff() -> Callable[..., None]:
+    from fenics_defo.cli.tradeoff_run import measure_and_print
+
+    return measure_and_print
 
 
 def _play(options: Namespace, current: Run, begin: float) -> None:
@@ -99,17 +113,6 @@ def _play(options: Namespace, current: Run, begin: float) -> None:
         from fenics_defo.cli.play_run import play_and_print  # NumPy and nothing else
 
         play_and_print(options, current, progress, begin)
-
-
-def _tradeoff(options: Namespace, current: Run, begin: float) -> None:
-    from fenics_defo.cli.output import libraries_on_stderr, loading_libraries
-    from fenics_defo.cli.progress import progress_shown
-
-    with progress_shown(show=current.is_first) as progress:
-        progress.start("load")
-        with libraries_on_stderr(), loading_libraries():
-            from fenics_defo.cli.tradeoff_run import measure_and_print
-        measure_and_print(options, current, progress, begin)
 
 
 def _tell_content(options: Namespace, current: Run, _begin: float) -> None:

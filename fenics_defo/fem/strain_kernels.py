@@ -1,32 +1,13 @@
 """The loops over quadrature points of ``native/strains.c``."""
 
 import ctypes
-import subprocess
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_defo.errors import MissingDependencyError
-from fenics_defo.fem.jit import architecture
-from fenics_defo.fem.native_library import SOURCES, build_library, cache_folder
+from fenics_defo.fem.loops import loops
 
 Array = NDArray[np.float64]
-
-_FLAGS = ("-O3", "-std=c17", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast")
-
-
-@cache
-def _library() -> ctypes.CDLL:
-    flags = (*_FLAGS, *architecture())
-    try:
-        path = build_library(SOURCES / "strains.c", flags=flags, folder=cache_folder())
-        return ctypes.CDLL(str(path))
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise MissingDependencyError(
-            f"the loops over strains cannot be compiled ({error}): install a C compiler (gcc), "
-            "which DOLFINx needs too, and check that its cache, ~/.cache/fenics, can be written"
-        ) from error
 
 
 def write_strain_columns(
@@ -49,7 +30,7 @@ def write_strain_columns(
     for array in arrays:
         assert array.dtype == np.float64
         assert array.flags.c_contiguous
-    _library().fenics_defo_strain_columns(
+    loops("strains").fenics_defo_strain_columns(
         ctypes.c_int64(r),
         ctypes.c_int64(p),
         ctypes.c_int(pairs),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fenics_defo.analysis.instant import Instant
-from fenics_defo.analysis.integrators.limits import leapfrog_limit
+from fenics_defo.runtime.integrators.limits import leapfrog_limit
 
 if TYPE_CHECKING:
     from fenics_defo.analysis.system import System

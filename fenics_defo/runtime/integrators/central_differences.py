@@ -1,19 +1,17 @@
 """Central differences."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from fenics_defo.runtime.integrators.critical_step import explicit_limit
 from fenics_defo.runtime.integrators.explicit_forces import ExplicitForces
+from fenics_defo.runtime.integrators.explicit_stepper import ExplicitStepper
 from fenics_defo.runtime.integrators.inertia import Inertia
 from fenics_defo.runtime.integrators.motion_model import MotionModel
-from fenics_defo.runtime.integrators.setting import check_setting
-from fenics_defo.runtime.integrators.stepper import Stepper
 
 Array = NDArray[np.float64]
 
 
-class CentralDifferences(Stepper):
+class CentralDifferences(ExplicitStepper):
     """w = v + h/2 a,  q' = q + h w,  M a' = g' - f' - C w,  v' = w + h/2 a'.
 
     Explicit, of second order (of first in the stiffness part of the damping, which takes the
@@ -40,29 +38,8 @@ class CentralDifferences(Stepper):
     References: Belytschko, Liu and Moran, Nonlinear Finite Elements (2000), section 6.2.
     """
 
-    def __init__(
-        self,
-        model: MotionModel,
-        *,
-        step: float,
-        damping: tuple[float, float] | None = None,
-        q: ArrayLike | None = None,
-        v: ArrayLike | None = None,
-        load: ArrayLike | None = None,
-        batch: int | None = None,
-        energies: bool = False,
-        allow_unstable: bool = False,
-    ) -> None:
-        setting = check_setting(model, step=step, damping=damping, q=q, v=v, load=load, batch=batch)
-        inertia = Inertia(model.mass, setting.shape)
-        #: Largest stable step [s] at rest and where the motion begins.
-        self.critical_step = explicit_limit(
-            model, inertia, setting, name="CentralDifferences", allow_unstable=allow_unstable
-        )
-        scheme = LeapfrogStep(
-            model, inertia, step=setting.step, damping=setting.damping, shape=setting.shape
-        )
-        super().__init__(model, inertia, setting, scheme, energies=energies)
+    def _scheme_type(self) -> type["LeapfrogStep"]:
+        return LeapfrogStep
 
 
 class LeapfrogStep:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.integrators.implicit_rule import Transitions
+from fenics_defo.runtime.integrators.scheme import Here
 
 Array = NDArray[np.float64]
 
@@ -96,3 +97,39 @@ class ImplicitState:
             )
             here = there
         return tuple(path), path[-1].x.reshape(-1), here
+
+
+class StateScheme:
+    """What schemes over an `ImplicitState` have in common.
+
+    Args:
+        here: the force law where the motion is.
+        state: of the motion.
+    """
+
+    def __init__(self, here: Here, state: ImplicitState) -> None:
+        self.here, self._state = here, state
+
+    @property
+    def q(self) -> Array:
+        """Coordinates."""
+        return self._state.q
+
+    @property
+    def v(self) -> Array:
+        """Velocities."""
+        return self._state.v
+
+    @property
+    def a(self) -> Array:
+        """Accelerations."""
+        return self._state.a
+
+    def place(self, q: Array, v: Array, a: Array) -> None:
+        """Begin at a state."""
+        self._state.place(q, v, a)
+        self.here.forget()
+
+    def trial(self) -> Array:
+        """What a failed step solved for."""
+        return self._state.trial

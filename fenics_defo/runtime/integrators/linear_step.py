@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_defo.runtime.integrators.implicit_rule import Transitions
-from fenics_defo.runtime.integrators.implicit_state import ImplicitState
+from fenics_defo.runtime.integrators.implicit_state import ImplicitState, StateScheme
 from fenics_defo.runtime.integrators.inertia import Inertia, product
 from fenics_defo.runtime.integrators.motion_model import MotionModel
 from fenics_defo.runtime.integrators.scheme import Here
@@ -12,7 +12,7 @@ from fenics_defo.runtime.integrators.scheme import Here
 Array = NDArray[np.float64]
 
 
-class LinearStep:
+class LinearStep(StateScheme):
     """A scheme; see `Transitions` for its equations. One iteration solves them.
 
     Args:
@@ -30,8 +30,7 @@ class LinearStep:
         *,
         shape: tuple[int, ...],
     ) -> None:
-        self.here = Here(model, shape, tangent=True)
-        self._state = ImplicitState(shape, transitions, 1)
+        super().__init__(Here(model, shape, tangent=True), ImplicitState(shape, transitions, 1))
         self._mass_times = inertia.times
         rest = np.zeros(shape[-1:])
         stiffness = np.array(model.law.evaluator(rest.shape).force_and_stiffness(rest)[1])
@@ -39,30 +38,6 @@ class LinearStep:
         self._stiffness_times = product(stiffness, shape)
         self._solve = product(np.linalg.inv(matrix), shape)
         self._right_side, self._term = np.empty(shape), np.empty(shape)
-
-    @property
-    def q(self) -> Array:
-        """Coordinates."""
-        return self._state.q
-
-    @property
-    def v(self) -> Array:
-        """Velocities."""
-        return self._state.v
-
-    @property
-    def a(self) -> Array:
-        """Accelerations."""
-        return self._state.a
-
-    def place(self, q: Array, v: Array, a: Array) -> None:
-        """Begin at a state."""
-        self._state.place(q, v, a)
-        self.here.forget()
-
-    def trial(self) -> Array:
-        """What a failed step solved for."""
-        return self._state.trial
 
     def advance(self, load: Array) -> float:
         """Do one step; a number that is not finite tells that it failed and nothing changed."""

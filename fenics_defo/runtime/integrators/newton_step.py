@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from fenics_defo.runtime.integrators.dense_solver import solve
 from fenics_defo.runtime.integrators.implicit_rule import Transitions
-from fenics_defo.runtime.integrators.implicit_state import ImplicitState
+from fenics_defo.runtime.integrators.implicit_state import ImplicitState, StateScheme
 from fenics_defo.runtime.integrators.inertia import Inertia
 from fenics_defo.runtime.integrators.motion_model import MotionModel
 from fenics_defo.runtime.integrators.scheme import Here
@@ -13,7 +13,7 @@ from fenics_defo.runtime.integrators.scheme import Here
 Array = NDArray[np.float64]
 
 
-class NewtonStep:
+class NewtonStep(StateScheme):
     """A scheme; see `Transitions` for its equations.
 
     Args:
@@ -33,38 +33,15 @@ class NewtonStep:
         iterations: int,
         shape: tuple[int, ...],
     ) -> None:
-        self.here = Here(model, shape, tangent=True)
-        self._state = ImplicitState(shape, transitions, iterations)
+        super().__init__(
+            Here(model, shape, tangent=True), ImplicitState(shape, transitions, iterations)
+        )
         self._mass_times = inertia.times
         self._mass = transitions.mass_scale * inertia.matrix
         self._matrix = np.empty((*shape, shape[-1]))
         self._right_side, self._inertia = np.empty(shape), np.empty(shape)
         # The functions of a step, bound once: looking them up would cost as much as one of them.
         self._step = (self.here.evaluate, np.subtract, np.add, np.dot, solve)
-
-    @property
-    def q(self) -> Array:
-        """Coordinates."""
-        return self._state.q
-
-    @property
-    def v(self) -> Array:
-        """Velocities."""
-        return self._state.v
-
-    @property
-    def a(self) -> Array:
-        """Accelerations."""
-        return self._state.a
-
-    def place(self, q: Array, v: Array, a: Array) -> None:
-        """Begin at a state."""
-        self._state.place(q, v, a)
-        self.here.forget()
-
-    def trial(self) -> Array:
-        """What a failed step solved for."""
-        return self._state.trial
 
     def advance(self, load: Array) -> float:
         """Do one step; a number that is not finite tells that it failed and nothing changed."""

@@ -3,19 +3,17 @@
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from fenics_defo.runtime.integrators.critical_step import explicit_limit
 from fenics_defo.runtime.integrators.explicit_forces import ExplicitForces
+from fenics_defo.runtime.integrators.explicit_stepper import ExplicitStepper
 from fenics_defo.runtime.integrators.inertia import Inertia
 from fenics_defo.runtime.integrators.motion_model import MotionModel
-from fenics_defo.runtime.integrators.setting import check_setting
-from fenics_defo.runtime.integrators.stepper import Stepper
 
 Array = NDArray[np.float64]
 
 
-class SymplecticEuler(Stepper):
+class SymplecticEuler(ExplicitStepper):
     """v' = v + h M⁻¹ (g - f(q) - C v),  q' = q + h v'.
 
     Explicit, of first order; it takes the load at the start of a step. It walks through the same
@@ -43,29 +41,8 @@ class SymplecticEuler(Stepper):
 
     load_at_start: ClassVar[bool] = True
 
-    def __init__(
-        self,
-        model: MotionModel,
-        *,
-        step: float,
-        damping: tuple[float, float] | None = None,
-        q: ArrayLike | None = None,
-        v: ArrayLike | None = None,
-        load: ArrayLike | None = None,
-        batch: int | None = None,
-        energies: bool = False,
-        allow_unstable: bool = False,
-    ) -> None:
-        setting = check_setting(model, step=step, damping=damping, q=q, v=v, load=load, batch=batch)
-        inertia = Inertia(model.mass, setting.shape)
-        #: Largest stable step [s] at rest and where the motion begins.
-        self.critical_step = explicit_limit(
-            model, inertia, setting, name="SymplecticEuler", allow_unstable=allow_unstable
-        )
-        scheme = SymplecticStep(
-            model, inertia, step=setting.step, damping=setting.damping, shape=setting.shape
-        )
-        super().__init__(model, inertia, setting, scheme, energies=energies)
+    def _scheme_type(self) -> type["SymplecticStep"]:
+        return SymplecticStep
 
 
 class SymplecticStep:
